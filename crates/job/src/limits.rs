@@ -1,0 +1,85 @@
+//! How many bytes a task may allocate.
+
+/// A ceiling on what one allocation of a task may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes that a volume or mesh may take in memory. Default: no limit.
+    pub bytes: u64,
+}
+
+/// The caller's choice: the task is sound, but larger than allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} needs {needed} bytes, the limit is {limit}")]
+pub struct OverLimit {
+    /// What would have been allocated.
+    pub what: &'static str,
+    /// Its bytes; `u64::MAX` if they do not fit a `u64`.
+    pub needed: u64,
+    /// Bytes allowed, or bytes that this machine can address.
+    pub limit: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { bytes: u64::MAX }
+    }
+}
+
+impl Limits {
+    /// The number of items as a length, if `items` of `item_bytes` each are allowed and fit the
+    /// machine's address space. `None` items stand for a product that overflowed.
+    ///
+    /// # Errors
+    ///
+    /// [`OverLimit`] before anything is allocated.
+    pub fn allow(
+        &self,
+        what: &'static str,
+        items: Option<u64>,
+        item_bytes: usize,
+    ) -> Result<usize, OverLimit> {
+        let limit = self.bytes.min(isize::MAX as u64);
+        let needed = items.and_then(|items| items.checked_mul(item_bytes as u64));
+        match (items, needed) {
+            (Some(items), Some(needed)) if needed <= limit => Ok(items as usize),
+            _ => Err(OverLimit { what, needed: needed.unwrap_or(u64::MAX), limit }),
+        }
+    }
+
+    /// An empty vector with room for exactly `items`, if that is allowed and there is memory.
+    ///
+    /// # Errors
+    ///
+    /// [`OverLimit`] if it is not allowed, or if the system has not so much memory.
+    pub fn vec<T>(&self, what: &'static str, items: Option<u64>) -> Result<Vec<T>, OverLimit> {
+        let count = self.allow(what, items, size_of::<T>())?;
+        let mut vec = Vec::new();
+        vec.try_reserve_exact(count).map_err(|_| OverLimit {
+            what,
+            needed: (count * size_of::<T>()) as u64,
+            limit: self.bytes,
+        })?;
+        Ok(vec)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Limits, OverLimit};
+
+    #[test]
+    fn a_limit_holds_to_the_byte() {
+        let limits = Limits { bytes: 80 };
+        assert_eq!(limits.allow("volume", Some(10), 8), Ok(10));
+        let over = OverLimit { what: "volume", needed: 88, limit: 80 };
+        assert_eq!(limits.allow("volume", Some(11), 8), Err(over));
+        assert_eq!(over.to_string(), "volume needs 88 bytes, the limit is 80");
+    }
+
+    #[test]
+    fn what_overflows_is_never_allowed() {
+        for items in [None, Some(u64::MAX), Some(u64::MAX / 8)] {
+            assert!(Limits::default().vec::<u64>("volume", items).is_err(), "{items:?}");
+        }
+    }
+}

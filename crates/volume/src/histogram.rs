@@ -1,0 +1,174 @@
+//! How often each value occurs.
+
+use crate::{Sample, Statistics, View};
+use isokit_job::{Cancelled, Job};
+use rayon::prelude::*;
+
+/// Counts of values in bins of equal width, from the least finite value to the greatest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// Value at the middle of the first bin.
+    pub first: f64,
+    /// Distance between the middles of neighbouring bins.
+    pub width: f64,
+    /// Samples in each bin. NaN and infinite samples are in none.
+    pub counts: Vec<u64>,
+}
+
+/// Bins for samples that have no natural ones.
+const BINS: usize = 4096;
+
+/// Widest range of whole numbers that get a bin each.
+const WHOLE_BINS: f64 = 65536.0;
+
+impl Histogram {
+    /// Counts every sample once. Whole-number samples over a range of up to 65 536 get a bin each,
+    /// others 4096 bins in all. `None` if no sample is finite.
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if the job was.
+    pub fn of<T: Sample>(
+        view: &View<'_, T>,
+        statistics: &Statistics,
+        job: &Job,
+    ) -> Result<Option<Self>, Cancelled> {
+        let Some([least, greatest]) = finite_range(view, statistics) else { return Ok(None) };
+        let step = view.scaling().slope().abs();
+        let whole = T::DTYPE.is_integer() && (greatest - least) / step < WHOLE_BINS;
+        // Half of each end first: the difference of two finite values may not be finite.
+        let span = (greatest / 2.0 - least / 2.0).min(f64::MAX / 4.0) * 2.0;
+        let (first, width, bins) = match (whole, span == 0.0) {
+            (true, _) => (least, step, ((greatest - least) / step).round() as usize + 1),
+            (false, true) => (least, 1.0, 1),
+            (false, false) => {
+                let width = span / BINS as f64;
+                (least + width / 2.0, width, BINS)
+            }
+        };
+        let mut histogram = Self { first, width, counts: vec![0; bins] };
+        histogram.count(view, job)?;
+        Ok(Some(histogram))
+    }
+
+    fn count<T: Sample>(&mut self, view: &View<'_, T>, job: &Job) -> Result<(), Cancelled> {
+        let [_, ny, nz] = view.dims();
+        let (first, per_width, last) = (self.first, 1.0 / self.width, self.counts.len() - 1);
+        let of_slices = |slices: &[usize]| {
+            job.check()?;
+            let (mut counts, mut scratch) = (vec![0; last + 1], vec![]);
+            for (j, k) in slices.iter().flat_map(|&k| (0..ny).map(move |j| (j, k))) {
+                for sample in view.row(j, k).gather(&mut scratch) {
+                    let value = view.scaling().value(sample.to_f64());
+                    if value.is_finite() {
+                        let bin = ((value - first) * per_width).round();
+                        counts[(bin.max(0.0) as usize).min(last)] += 1;
+                    }
+                }
+            }
+            Ok(counts)
+        };
+        let slices: Vec<usize> = (0..nz).collect();
+        let parts = job.threads.run(|| {
+            let parts = slices.par_chunks(64).map(of_slices);
+            parts.collect::<Result<Vec<Vec<u64>>, Cancelled>>()
+        })?;
+        for part in parts {
+            self.counts.iter_mut().zip(part).for_each(|(all, more)| *all += more);
+        }
+        Ok(())
+    }
+
+    /// The value at the middle of a bin.
+    pub fn middle(&self, bin: usize) -> f64 {
+        self.first + bin as f64 * self.width
+    }
+
+    /// The value that splits the samples into two classes of the least spread (Otsu 1979, *A threshold
+    /// selection method from gray-level histograms*). It lies midway between two occupied bins, so
+    /// that no sample in the middle of a bin is on it. `None` if all samples share a bin.
+    pub fn otsu(&self) -> Option<f64> {
+        let weight = |bin: usize| self.counts[bin] as f64;
+        let occupied: Vec<usize> = (0..self.counts.len()).filter(|&b| self.counts[b] > 0).collect();
+        let total: f64 = occupied.iter().map(|&b| weight(b)).sum();
+        let mean = occupied.iter().map(|&b| weight(b) * b as f64).sum::<f64>() / total;
+        let (mut below, mut moment) = (0.0, 0.0);
+        let mut best: Option<(f64, f64)> = None;
+        for pair in occupied.windows(2) {
+            below += weight(pair[0]);
+            moment += weight(pair[0]) * pair[0] as f64;
+            let share = below / total;
+            let lag = mean * share - moment / total;
+            let between = lag * lag / (share * (1.0 - share));
+            if best.is_none_or(|(greatest, _)| between > greatest) {
+                best = Some((between, (pair[0] as f64).midpoint(pair[1] as f64)));
+            }
+        }
+        best.map(|(_, bin)| self.first + bin * self.width)
+    }
+}
+
+/// The least and greatest finite value. Infinities are rare: only then is every sample asked again.
+fn finite_range<T: Sample>(view: &View<'_, T>, statistics: &Statistics) -> Option<[f64; 2]> {
+    if statistics.infinite == 0 {
+        return statistics.range;
+    }
+    let [_, ny, nz] = view.dims();
+    let (mut range, mut scratch) = (None, vec![]);
+    for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
+        for sample in view.row(j, k).gather(&mut scratch) {
+            let value = view.scaling().value(sample.to_f64());
+            if value.is_finite() {
+                let [least, greatest] = range.unwrap_or([value; 2]);
+                range = Some([value.min(least), value.max(greatest)]);
+            }
+        }
+    }
+    range
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Histogram;
+    use crate::{Grid, Sample, Scaling, Statistics, Volume};
+    use isokit_geom::Frame;
+    use isokit_job::Job;
+
+    fn of<T: Sample>(samples: Vec<T>, scaling: Scaling) -> Option<Histogram> {
+        let grid = Grid::new([samples.len() as u64, 1, 1], Frame::default()).unwrap();
+        let volume = Volume::new(grid, samples).unwrap().with_scaling(scaling);
+        let statistics = Statistics::of(&volume.view(), &Job::default()).unwrap();
+        Histogram::of(&volume.view(), &statistics, &Job::default()).unwrap()
+    }
+
+    #[test]
+    fn whole_numbers_get_a_bin_each_and_keep_their_values() {
+        let found = of(vec![5_u16, 7, 7, 5, 5, 8], Scaling::new(2.0, -1.0).unwrap()).unwrap();
+        assert_eq!((found.first, found.width), (9.0, 2.0));
+        assert_eq!(found.counts, [3, 0, 2, 1]);
+        assert_eq!(found.middle(3), 15.0);
+    }
+
+    #[test]
+    fn otsu_parts_two_heaps_between_them() {
+        let heaps = (0..100).map(|n| if n < 70 { n % 5 } else { 200 + n % 7 });
+        let iso = of(heaps.collect::<Vec<u8>>(), Scaling::IDENTITY).unwrap().otsu().unwrap();
+        assert_eq!(iso, 102.0, "midway between 4 and 200");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_in_no_bin() {
+        let samples = vec![f64::NAN, f64::INFINITY, -1.0, 3.0, f64::NEG_INFINITY];
+        let found = of(samples, Scaling::IDENTITY).unwrap();
+        assert_eq!(found.counts.iter().sum::<u64>(), 2);
+        assert_eq!((found.counts[0], found.counts[4095]), (1, 1));
+        assert_eq!(of(vec![f32::NAN, f32::INFINITY], Scaling::IDENTITY), None);
+    }
+
+    #[test]
+    fn one_value_has_one_bin_and_no_threshold() {
+        assert_eq!(of(vec![2.5_f32; 4], Scaling::IDENTITY).unwrap().otsu(), None);
+        let widest = of(vec![f64::MAX, -f64::MAX], Scaling::IDENTITY).unwrap();
+        assert_eq!(widest.counts.iter().sum::<u64>(), 2);
+    }
+}

@@ -1,0 +1,138 @@
+//! The least and greatest value, and what has no value.
+
+use crate::{Sample, View};
+use isokit_job::{Cancelled, Job};
+use rayon::prelude::*;
+
+/// What one pass over the samples finds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    /// Least and greatest value, infinities included. `None` if every sample is NaN.
+    pub range: Option<[f64; 2]>,
+    /// How many samples are NaN.
+    pub nan: u64,
+    /// The first NaN in storage order, x fastest.
+    pub first_nan: Option<[usize; 3]>,
+    /// How many samples are infinite.
+    pub infinite: u64,
+}
+
+#[derive(Clone, Copy)]
+struct Part<T> {
+    least: Option<T>,
+    greatest: Option<T>,
+    nan: u64,
+    first_nan: Option<[usize; 3]>,
+    infinite: u64,
+}
+
+impl Statistics {
+    /// Looks at every sample once.
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if the job was.
+    pub fn of<T: Sample>(view: &View<'_, T>, job: &Job) -> Result<Self, Cancelled> {
+        let slices = view.dims()[2];
+        job.progress.begin("scan", slices as u64);
+        let parts = job.threads.run(|| {
+            let parts = (0..slices).into_par_iter().map(|k| {
+                job.check()?;
+                job.progress.advance(1);
+                Ok(Part::of_slice(view, k))
+            });
+            parts.collect::<Result<Vec<_>, Cancelled>>()
+        })?;
+        let whole = parts.into_iter().fold(Part::EMPTY, Part::with);
+        let value = |stored: Option<T>| stored.map(|s| view.scaling().value(s.to_f64()));
+        let ends = value(whole.least).zip(value(whole.greatest));
+        let range = ends.map(|(a, b)| if a <= b { [a, b] } else { [b, a] });
+        let Part { nan, first_nan, infinite, .. } = whole;
+        Ok(Self { range, nan, first_nan, infinite })
+    }
+}
+
+impl<T: Sample> Part<T> {
+    const EMPTY: Self = Self { least: None, greatest: None, nan: 0, first_nan: None, infinite: 0 };
+
+    fn of_slice(view: &View<'_, T>, k: usize) -> Self {
+        let mut scratch = vec![];
+        (0..view.dims()[1]).fold(Self::EMPTY, |part, j| {
+            let row = view.row(j, k).gather(&mut scratch);
+            part.with(Self::of_row(row, j, k))
+        })
+    }
+
+    fn of_row(row: &[T], j: usize, k: usize) -> Self {
+        let is_nan = |sample: &T| sample.partial_cmp(sample).is_none();
+        let Some(first) = row.iter().position(|sample| !is_nan(sample)) else {
+            return Self { nan: row.len() as u64, first_nan: Some([0, j, k]), ..Self::EMPTY };
+        };
+        // No branch in the loop, so that it becomes vector code; NaN compares false and drops out.
+        let (mut least, mut greatest, mut nan) = (row[first], row[first], first as u64);
+        for &sample in &row[first..] {
+            least = if sample < least { sample } else { least };
+            greatest = if sample > greatest { sample } else { greatest };
+            nan += u64::from(is_nan(&sample));
+        }
+        let ends = [least, greatest].map(|end| end.to_f64().is_infinite());
+        let infinite = match ends.contains(&true) {
+            true => row.iter().filter(|sample| sample.to_f64().is_infinite()).count() as u64,
+            false => 0,
+        };
+        let first_nan = match nan {
+            0 => None,
+            _ => row.iter().position(is_nan).map(|i| [i, j, k]),
+        };
+        Self { least: Some(least), greatest: Some(greatest), nan, first_nan, infinite }
+    }
+
+    /// This part and a later one.
+    fn with(self, later: Self) -> Self {
+        let choose = |a: Option<T>, b: Option<T>, second: fn(T, T) -> bool| match (a, b) {
+            (Some(a), Some(b)) => Some(if second(a, b) { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        Self {
+            least: choose(self.least, later.least, |a, b| b < a),
+            greatest: choose(self.greatest, later.greatest, |a, b| b > a),
+            nan: self.nan + later.nan,
+            first_nan: self.first_nan.or(later.first_nan),
+            infinite: self.infinite + later.infinite,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Statistics;
+    use crate::{Grid, Sample, Scaling, Volume};
+    use isokit_geom::Frame;
+    use isokit_job::Job;
+
+    fn of<T: Sample>(samples: Vec<T>, scaling: Scaling) -> Statistics {
+        let grid = Grid::new([3, 2, samples.len() as u64 / 6], Frame::default()).unwrap();
+        let volume = Volume::new(grid, samples).unwrap().with_scaling(scaling);
+        Statistics::of(&volume.view(), &Job::default()).unwrap()
+    }
+
+    #[test]
+    fn a_negative_slope_turns_the_range_round() {
+        let samples = vec![7_i16, -3, 5, 0, 1, 2, 9, 8, 4, 4, 4, 4];
+        assert_eq!(of(samples.clone(), Scaling::IDENTITY).range, Some([-3.0, 9.0]));
+        let scaling = Scaling::new(-2.0, 1.0).unwrap();
+        assert_eq!(of(samples, scaling).range, Some([-17.0, 7.0]));
+    }
+
+    #[test]
+    fn nan_is_counted_and_named_and_has_no_part_in_the_range() {
+        let (nan, inf) = (f32::NAN, f32::INFINITY);
+        let samples = vec![nan, 1.0, 2.0, 3.0, -inf, 0.0, nan, nan, nan, 5.0, 4.0, nan];
+        let found = of(samples, Scaling::IDENTITY);
+        assert_eq!(found.range, Some([f64::NEG_INFINITY, 5.0]));
+        assert_eq!((found.nan, found.first_nan, found.infinite), (5, Some([0, 0, 0]), 1));
+        let found = of(vec![1.0, 2.0, 3.0, 3.0, nan, 2.0], Scaling::IDENTITY);
+        assert_eq!((found.nan, found.first_nan), (1, Some([1, 1, 0])));
+        assert_eq!(of(vec![nan; 6], Scaling::IDENTITY).range, None);
+    }
+}
