@@ -1,0 +1,161 @@
+//! Outputs that appear whole or not at all.
+
+use crate::{WriteError, WriteFault};
+use std::{
+    fs::{self, File},
+    io::{self, BufWriter, Seek, SeekFrom, Write},
+    path::{Path, PathBuf},
+};
+use tempfile::NamedTempFile;
+
+/// A file being written under a temporary name beside its own.
+///
+/// [`finish`](Self::finish) gives it its name; dropped before that, it is gone, and what stood under the
+/// name before still stands there. Of two files that belong together, the one that refers to the other
+/// is finished last. Something that is no regular file, such as a pipe, is written to directly.
+#[derive(Debug)]
+pub struct Output {
+    path: PathBuf,
+    target: Target,
+}
+
+#[derive(Debug)]
+enum Target {
+    Beside(BufWriter<NamedTempFile>),
+    Direct(BufWriter<File>),
+}
+
+/// Bytes gathered before the system is asked to write.
+const BUFFER: usize = 1 << 20;
+
+impl Output {
+    /// Begins to write what will stand at `path`.
+    ///
+    /// # Errors
+    ///
+    /// If no file can be made there.
+    pub fn create(path: &Path) -> Result<Self, WriteError> {
+        let target = Self::target(path).map_err(|error| WriteFault::Io(error).at(path))?;
+        Ok(Self { path: path.to_owned(), target })
+    }
+
+    fn target(path: &Path) -> io::Result<Target> {
+        let special = fs::metadata(path).is_ok_and(|found| !found.is_file());
+        if special {
+            let file = File::options().write(true).open(path)?;
+            return Ok(Target::Direct(BufWriter::with_capacity(BUFFER, file)));
+        }
+        // A link stays a link: the file that it leads to is replaced.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let folder = match path.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".isokit-");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // As for any new file: the system takes away what the user's mask forbids.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        Ok(Target::Beside(BufWriter::with_capacity(BUFFER, builder.tempfile_in(folder)?)))
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    ///
+    /// If what was written cannot be brought to the disk or renamed; nothing is then left behind.
+    pub fn finish(self) -> Result<(), WriteError> {
+        let place = fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
+        let done = match self.target {
+            Target::Direct(mut writer) => writer.flush(),
+            Target::Beside(writer) => writer
+                .into_inner()
+                .map_err(|e| e.into_error())
+                .and_then(|file| file.persist(place).map(drop).map_err(|error| error.error)),
+        };
+        done.map_err(|error| WriteFault::Io(error).at(self.path))
+    }
+
+    /// The place where the file will stand.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.target {
+            Target::Beside(writer) => writer.write(bytes),
+            Target::Direct(writer) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.target {
+            Target::Beside(writer) => writer.flush(),
+            Target::Direct(writer) => writer.flush(),
+        }
+    }
+}
+
+impl Seek for Output {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.target {
+            Target::Beside(writer) => writer.seek(to),
+            Target::Direct(writer) => writer.seek(to),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Output;
+    use std::{fs, io::Write};
+
+    #[test]
+    fn a_file_appears_when_it_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mesh.ply");
+        fs::write(&path, "old").unwrap();
+
+        let mut output = Output::create(&path).unwrap();
+        output.write_all(b"half").unwrap();
+        output.flush().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        drop(output);
+        assert_eq!(fs::read(&path).unwrap(), b"old", "abandoned");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing left behind");
+
+        let mut output = Output::create(&path).unwrap();
+        output.write_all(b"new").unwrap();
+        output.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_named() {
+        let error = Output::create("no/such/folder/mesh.ply".as_ref()).unwrap_err();
+        assert!(
+            error.to_string().starts_with("no/such/folder/mesh.ply: cannot write: "),
+            "{error}"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        let mut output = Output::create(&link).unwrap();
+        output.write_all(b"new").unwrap();
+        output.finish().unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+    }
+}
