@@ -83,7 +83,7 @@ pub fn count<T: Sample>(
     job.threads.run(|| Ok(Plan::new(view, lattice, iso, options, job)?.counts()))
 }
 
-/// A surface that is counted and numbered but not yet made. No layout where nothing is inside.
+/// A surface that is counted and numbered but not yet made. No layout where there can be none.
 struct Plan {
     planes: Planes,
     layout: Option<Layout>,
@@ -104,7 +104,7 @@ impl Plan {
         // Classify, count and fill each go through all slices once.
         job.progress.begin("extract", 3 * view.dims()[2] as u64);
         let planes = Planes::classify(view, lattice, iso, options.nan, job)?;
-        let layout = match planes.is_empty() {
+        let layout = match planes.is_empty() || !lattice.has_cells() {
             true => None,
             false => Some(Layout::new(&planes, options.layers_per_task.get(), job)?),
         };
@@ -165,7 +165,7 @@ impl Plan {
         })
     }
 
-    /// The vertices that a slice owns, in the order of their numbers.
+    /// The vertices that a slice owns: those along x and y row by row, then those along z.
     fn fill_vertices<T: Sample, C: Coordinate>(
         &self,
         layout: &Layout,
@@ -173,33 +173,31 @@ impl Plan {
         z: usize,
         slab: &mut Slab<'_, C>,
     ) {
-        let rows = 0..self.planes.lattice.points[1];
-        for y in rows.clone() {
-            self.fill_edges(layout, placement, 0, [y, z], slab);
-            self.fill_edges(layout, placement, 1, [y, z], slab);
+        let [_, ny, _] = self.planes.lattice.points;
+        let row = |y: usize| layout.row(self.planes.lattice, y, z);
+        let (first_z, end) = (row(0).z, layout.slices[z + 1].vertices as u32);
+        let mut in_slice = slab.split_off((first_z - row(0).x) as usize, 0);
+        for y in 0..ny {
+            let own = row(y);
+            let (next_x, next_z) = match y + 1 < ny {
+                true => (row(y + 1).x, row(y + 1).z),
+                false => (first_z, end),
+            };
+            let mut along = [
+                in_slice.split_off((own.y - own.x) as usize, 0),
+                in_slice.split_off((next_x - own.y) as usize, 0),
+                slab.split_off((next_z - own.z) as usize, 0),
+            ];
+            words_of_row(&self.planes, layout.live.as_ref(), [y, z], |w, word| {
+                for (axis, mut cuts) in [word.x[0], word.y[0], word.z[0]].into_iter().enumerate() {
+                    while cuts != 0 {
+                        let x = 64 * w + cuts.trailing_zeros() as usize;
+                        cuts &= cuts - 1;
+                        along[axis].push(placement, &placement.cut(axis, [x, y, z]));
+                    }
+                }
+            });
         }
-        for y in rows {
-            self.fill_edges(layout, placement, 2, [y, z], slab);
-        }
-    }
-
-    /// The vertices on the edges along one axis that a row owns.
-    fn fill_edges<T: Sample, C: Coordinate>(
-        &self,
-        layout: &Layout,
-        placement: &Placement<'_, T>,
-        axis: usize,
-        [y, z]: [usize; 2],
-        slab: &mut Slab<'_, C>,
-    ) {
-        words_of_row(&self.planes, layout.live.as_ref(), [y, z], |w, word| {
-            let mut cuts = [word.x[0], word.y[0], word.z[0]][axis];
-            while cuts != 0 {
-                let x = 64 * w + cuts.trailing_zeros() as usize;
-                cuts &= cuts - 1;
-                slab.push(placement, &placement.cut(axis, [x, y, z]));
-            }
-        });
     }
 
     fn fill_triangles<C>(&self, layout: &Layout, z: usize, slab: &mut Slab<'_, C>) {
@@ -289,3 +287,6 @@ fn output_bytes(counts: Counts, precision: Precision, normals: bool) -> Option<u
     let vertex = position + if normals { 12 } else { 0 };
     counts.vertices.checked_mul(vertex)?.checked_add(counts.triangles.checked_mul(12)?)
 }
+
+#[cfg(test)]
+mod tests;

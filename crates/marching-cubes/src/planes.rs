@@ -29,6 +29,11 @@ impl Lattice {
         Self { points, guard, words: words(points[0]) }
     }
 
+    /// Whether there is a cell. Without one no triangle uses an edge, so no edge has a vertex.
+    pub(crate) fn has_cells(&self) -> bool {
+        self.points.iter().all(|&n| n > 1)
+    }
+
     /// Rows of points.
     pub(crate) fn rows(&self) -> Option<u64> {
         (self.points[1] as u64).checked_mul(self.points[2] as u64)
