@@ -150,13 +150,13 @@ impl<'a, T: Sample> Placement<'a, T> {
 fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
     match values {
         [Some(low), Some(high)] if low.is_finite() && high.is_finite() => {
-            let between = |scale: f64| {
-                let (a, b) = (low * scale - iso * scale, high * scale - iso * scale);
-                (a + b) * 0.5 / (a - b)
-            };
-            let plain = between(1.0);
+            let (a, b) = (low - iso, high - iso);
             // Only f64 values near the greatest overflow; a quarter of them does not.
-            if plain.is_finite() { plain } else { between(0.25) }
+            let (a, b) = match (a - b).is_finite() {
+                true => (a, b),
+                false => (low * 0.25 - iso * 0.25, high * 0.25 - iso * 0.25),
+            };
+            (a + b) * 0.5 / (a - b)
         }
         [Some(low), Some(high)] if low.is_finite() || high.is_finite() => {
             if low.is_finite() {
