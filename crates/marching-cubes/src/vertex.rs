@@ -156,7 +156,8 @@ fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
                 true => (a, b),
                 false => (low * 0.25 - iso * 0.25, high * 0.25 - iso * 0.25),
             };
-            (a + b) * 0.5 / (a - b)
+            // Halved last: half of the least value there is would be lost.
+            (a + b) / (a - b) * 0.5
         }
         [Some(low), Some(high)] if low.is_finite() || high.is_finite() => {
             if low.is_finite() {
