@@ -125,3 +125,30 @@ pub(crate) fn spokes(mesh: &[[u32; 3]], star: &[u32], vertex: usize, spokes: &mu
 pub(crate) fn edges(spokes: &[Spoke]) -> impl Iterator<Item = &[Spoke]> {
     spokes.chunk_by(|a, b| a.to == b.to)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Spoke, Stars, edges, spokes};
+    use crate::kit::threads;
+
+    const FAN: [[u32; 3]; 5] = [[0, 1, 2], [3, 0, 2], [0, 0, 1], [0, 1, 9], [4, 2, 1]];
+
+    #[test]
+    fn stars_hold_sound_triangles_in_order() {
+        for count in [1, 2, 3, 7] {
+            let stars = Stars::new(6, &FAN, &threads(count)).unwrap();
+            let all: Vec<&[u32]> = (0..6).map(|vertex| stars.of(vertex)).collect();
+            assert_eq!(all, [&[0, 1][..], &[0, 4], &[0, 1, 4], &[1], &[4], &[]]);
+        }
+    }
+
+    #[test]
+    fn sides_of_an_edge_stand_together() {
+        let (stars, mut found) = (Stars::new(6, &FAN, &threads(1)).unwrap(), vec![]);
+        spokes(&FAN, stars.of(2), 2, &mut found);
+        let uses: Vec<_> = edges(&found).map(|edge| (edge[0].to, edge.len())).collect();
+        assert_eq!(uses, [(0, 2), (1, 2), (3, 1), (4, 1)]);
+        assert_eq!(found[0], Spoke { to: 0, place: 0, leaves: true });
+        assert_eq!(found[1], Spoke { to: 0, place: 1, leaves: false });
+    }
+}

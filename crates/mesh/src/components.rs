@@ -113,13 +113,13 @@ impl Pieces {
         for t in 0..labels.len() {
             // A parent comes before its children, so it has its label already.
             let parent = labels[t] as usize;
-            labels[t] = match () {
-                () if parent != t => labels[parent],
-                () if !counts(t) => NO_PIECE,
-                () => {
-                    pieces += 1;
-                    pieces - 1
-                }
+            labels[t] = if parent != t {
+                labels[parent]
+            } else if counts(t) {
+                pieces += 1;
+                pieces - 1
+            } else {
+                NO_PIECE
             };
         }
         (labels, pieces as usize)

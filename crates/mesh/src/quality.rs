@@ -255,17 +255,22 @@ mod tests {
     }
 
     proptest! {
-        /// Small integers, of which the products are exact in f64.
+        /// Nearly on a line, and so large that f64 rounds their products.
         #[test]
-        fn integers_are_judged_as_integers_judge_them(corners: [[i8; 3]; 3], few in 1..4_i8) {
-            let few = corners.map(|corner| corner.map(|c| i64::from(c % few)));
-            let [a, b, c] = few;
-            let (u, v): ([i64; 3], [i64; 3]) =
-                (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
-            let is_flat = (0..3).all(|k| u[k] * v[(k + 1) % 3] == u[(k + 1) % 3] * v[k]);
-            let far = few.map(|corner| corner.map(|c| 1e6 + c as f64 * 2_f64.powi(-30)));
-            prop_assert_eq!(is_degenerate(few.map(|corner| corner.map(|c| c as f64))), is_flat);
-            prop_assert_eq!(is_degenerate(far), is_flat);
+        fn integers_are_judged_as_integers_judge_them(
+            a in prop::array::uniform3(-1_i128 << 30..1 << 30),
+            step in prop::array::uniform3(-1_i128 << 28..1 << 28),
+            times in -3..4_i128,
+            nudge in prop::array::uniform3(-1..2_i128),
+        ) {
+            let b: [i128; 3] = std::array::from_fn(|k| a[k] + step[k]);
+            for nudge in [nudge, [0; 3]] {
+                let c: [i128; 3] = std::array::from_fn(|k| a[k] + times * step[k] + nudge[k]);
+                let (u, v) = (step, std::array::from_fn::<_, 3, _>(|k| c[k] - a[k]));
+                let is_flat = (0..3).all(|k| u[k] * v[(k + 1) % 3] == u[(k + 1) % 3] * v[k]);
+                let corners = [a, b, c].map(|corner| corner.map(|c| c as f64));
+                prop_assert_eq!(is_degenerate(corners), is_flat);
+            }
         }
 
         /// A point of f32 halfway between two others is on their line.

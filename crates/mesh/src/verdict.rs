@@ -48,7 +48,7 @@ impl Topology {
             (self.non_finite_vertices, "vertex", "not finite"),
             (self.boundary_edges, "edge", "with one triangle only: not closed"),
             (self.nonmanifold_edges, "edge", "with more than two triangles: not manifold"),
-            (self.nonmanifold_vertices, "vertex", "amid more than one fan: not manifold"),
+            (self.nonmanifold_vertices, "vertex", "not amid a single fan: not manifold"),
             (self.inconsistent_edges, "edge", "with neighbours wound against one another"),
             (self.degenerate_triangles, "triangle", "without area"),
             (self.duplicate_triangles, "triangle", "there more than once"),

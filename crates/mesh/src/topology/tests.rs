@@ -264,6 +264,12 @@ fn a_cancelled_check_stops_and_a_limit_holds() {
 }
 
 #[test]
+fn the_whole_is_measured_as_by_measure() {
+    let (sphere, job) = (sphere(6), Job::default());
+    assert_eq!(of(&sphere).measure, crate::measure(&sphere, &job).unwrap());
+}
+
+#[test]
 fn progress_ends_where_it_said() {
     let job = Job::default();
     topology(&sphere(3), &job).unwrap();
