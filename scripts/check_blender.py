@@ -109,7 +109,9 @@ def arrived(path: Path, unit: str | None) -> list[Arrived]:
     return found
 
 
-def check_alone(tally: Tally, subject: str, mesh: Arrived, surface: dict, has_normals: bool) -> None:
+def check_alone(
+    tally: Tally, subject: str, mesh: Arrived, surface: dict, has_normals: bool
+) -> None:
     """What one mesh must be, whatever the other formats say."""
     for key, count in (("vertices", len(mesh.points)), ("triangles", len(mesh.triangles))):
         tally.check(subject, f"Blender: {key}", count == surface[key], f"{count}")
@@ -174,7 +176,7 @@ def check_file(
     for surface in surfaces:
         name = surface["name"]
         named = [mesh for mesh in meshes if name in mesh.name] or meshes
-        mesh = by_surface[name] = named[0]
+        mesh = by_surface[name] = min(named, key=lambda mesh: len(mesh.name))
         subject = f"{path.name} [{name}]"
         if len(meshes) > 1:
             tally.check(subject, "Blender: object has the name", name in mesh.name, mesh.name)

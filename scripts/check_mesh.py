@@ -76,7 +76,10 @@ def check_report(tally: Tally, path: Path, parts: list[Part], report: dict) -> N
     if not tally.check(path.name, "report: as many surfaces", agree, len(parts)):
         return
     for surface in surfaces:
-        named = [part for part in parts if surface["name"] in part.name]
+        named = sorted(
+            (part for part in parts if surface["name"] in part.name),
+            key=lambda part: len(part.name),  # "bone" before "bone_marrow"
+        )
         part = named[0] if named else parts[0]
         if len(parts) > 1 and not tally.check(
             path.name, f"report: has a surface named {surface['name']}", bool(named)

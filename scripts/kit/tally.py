@@ -4,6 +4,7 @@ Standard library only: Blender's interpreter uses it too.
 """
 
 import sys
+from dataclasses import dataclass, field
 
 
 class Tally:
@@ -30,6 +31,11 @@ class Tally:
         self.skipped += 1
         print(f"skip {subject}: {why}", flush=True)
 
+    def replay(self, record: "Record") -> None:
+        """Counts what another process recorded."""
+        for claim in record.claims:
+            self.check(*claim)
+
     def finish(self) -> int:
         """Prints the totals, in the form that `scripts/test` adds up; returns the exit code."""
         tail = f", {self.skipped} skipped" if self.skipped else ""
@@ -38,3 +44,15 @@ class Tally:
             print(f"{self.script}: nothing was checked", file=sys.stderr)
             return 1
         return int(self.failed > 0)
+
+
+@dataclass
+class Record:
+    """Takes the same checks as a tally and keeps them, so that processes can hand them over."""
+
+    claims: list[tuple[str, str, bool, str]] = field(default_factory=list)
+
+    def check(self, subject: str, claim: str, holds: bool, found: object = "") -> bool:
+        """Keeps one claim."""
+        self.claims.append((subject, claim, bool(holds), str(found)))
+        return bool(holds)

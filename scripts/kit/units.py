@@ -2,7 +2,7 @@
 
 GLTF = (".glb", ".gltf")
 
-METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "angstrom": 1e-10}
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "angstrom": 1e-10}
 """Length of a unit in metres, the unit of glTF."""
 
 
