@@ -52,7 +52,11 @@ def check_manifold(tally: Tally, subject: str, part: Part) -> None:
 def check_meshlab(tally: Tally, path: Path, open_border: bool) -> None:
     """Two-manifold for MeshLab, whose layers are the surfaces of the file."""
     layers = pymeshlab.MeshSet(verbose=False)
-    layers.load_new_mesh(str(path))
+    try:
+        layers.load_new_mesh(str(path))
+    except pymeshlab.PyMeshLabException as error:
+        tally.check(path.name, "MeshLab: loads", False, error)
+        return
     for layer in layers:
         layers.set_current_mesh(layer.id())
         found = layers.get_topological_measures()

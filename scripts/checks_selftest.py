@@ -144,6 +144,10 @@ def test_check_mesh(tally: Tally, folder: Path) -> None:
     tally.check("holed", "may be open if that is allowed", not found, found)
     found = failing(folder / "absent.ply")
     tally.check("absent", "fails to load", "trimesh: loads" in found, found)
+    cut = folder / "cut.stl"
+    cut.write_bytes((folder / "sound.stl").read_bytes()[:-25])
+    found = failing(cut)
+    tally.check("cut", "fails to load", bool(found & {"trimesh: loads", "MeshLab: loads"}), found)
 
 
 def test_report(tally: Tally, folder: Path) -> None:
