@@ -194,7 +194,9 @@ def check_file(
 
 def main() -> int:
     """Checks the files of one extraction, then renders the first if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("files", nargs="+", type=Path, help="the same surfaces, in any formats")
     parser.add_argument(
         "--report", type=Path, required=True, help="the report that `isokit extract` wrote"

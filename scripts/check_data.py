@@ -200,7 +200,9 @@ def check_all(tally: Tally, isokit: Isokit, data: Path) -> None:
 
 def main() -> int:
     """Checks the program on the data, if it is there."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("isokit", type=Path, help="the program to try")
     parser.add_argument(
         "--data",

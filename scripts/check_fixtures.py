@@ -74,7 +74,9 @@ def check_extraction(
 
 def main() -> int:
     """Extracts and checks all fixtures."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("isokit", type=Path, help="the program to try")
     parser.add_argument("folder", type=Path, help="where the meshes go; made if absent")
     arguments = parser.parse_args()

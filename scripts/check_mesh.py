@@ -133,7 +133,9 @@ def check_file(tally: Tally, path: Path, open_border: bool, report: dict | None)
 
 def main() -> int:
     """Checks the files that the command line names."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("files", nargs="+", type=Path, help=".glb .gltf .obj .ply .stl")
     parser.add_argument(
         "--open", action="store_true", help="a border is allowed: no watertight, no solid"

@@ -58,7 +58,9 @@ def mesh_faults(mesh, state: str) -> list[str]:
 
 def main() -> int:
     """Tries the seeds from 0 on."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("isokit", type=Path, help="the program to try")
     parser.add_argument("--count", type=int, default=1000, help="volumes; default: 1000")
     arguments = parser.parse_args()

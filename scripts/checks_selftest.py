@@ -330,7 +330,9 @@ def lengthened(data: bytes) -> bytes:
 
 def main() -> int:
     """Tries the check scripts."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
         "--importers", action="store_true", help="also the checks with Blender and the validator"
     )
