@@ -209,20 +209,31 @@ fn far_from_the_origin_positions_are_kept_as_f64() {
     assert!(matches!(at(0.0, 1.0, Some(Precision::F64)), Positions::F64(_)));
 }
 
+/// The corners' differences are exact in f64, since they were f32 and near each other.
+fn has_area([p, q, r]: [[f64; 3]; 3]) -> bool {
+    let (u, v): ([f64; 3], [f64; 3]) =
+        (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| r[k] - p[k]));
+    (0..3).any(|k| u[k] * v[(k + 1) % 3] != u[(k + 1) % 3] * v[k])
+}
+
 #[test]
-fn no_two_vertices_share_a_position_wherever_f32_is_chosen() {
-    for exponent in 0..24 {
-        let volume = chance([9, 9, 9], exponent, |r| (r % 3) as u8);
-        let origin = f64::from(1 << exponent) * 1.37;
+fn wherever_f32_is_chosen_no_position_repeats_and_every_triangle_has_an_area() {
+    for (seed, exponent) in (0..).zip((0..120).map(|n| f64::from(n) * 0.2)) {
+        let volume = chance([8, 7, 9], seed, |r| (r % 3) as u8);
+        let origin = exponent.exp2();
         let columns = [[0.9, 0.1, 0.0], [-0.1, 0.8, 0.2], [0.3, 0.0, 1.3]];
-        let index_to_world = Affine::new(columns, [origin, -origin, origin / 3.0]).unwrap();
-        let view = volume.view().with_frame(Frame { index_to_world, ..Frame::default() });
-        let mesh = extract(&view, 1.0, &ExtractOptions::DEFAULT, &Job::default()).unwrap();
-        let mut positions: Vec<_> = mesh.positions.iter().map(|p| p.map(f64::to_bits)).collect();
-        positions.sort_unstable();
-        let count = positions.len();
-        positions.dedup();
-        assert_eq!(positions.len(), count, "at {origin}");
+        for columns in [columns, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]] {
+            let index_to_world = Affine::new(columns, [origin, -origin, origin / 3.0]).unwrap();
+            let view = volume.view().with_frame(Frame { index_to_world, ..Frame::default() });
+            let mesh = extract(&view, 1.0, &ExtractOptions::DEFAULT, &Job::default()).unwrap();
+            let mut places: Vec<_> = mesh.positions.iter().map(|p| p.map(f64::to_bits)).collect();
+            places.sort_unstable();
+            let count = places.len();
+            places.dedup();
+            assert_eq!(places.len(), count, "at {origin}");
+            let flat = mesh.triangles.iter().filter(|&&t| !has_area(mesh.corners(t))).count();
+            assert_eq!(flat, 0, "at {origin}, {:?}", mesh.positions.precision());
+        }
     }
 }
 
