@@ -1,0 +1,1 @@
+//! Headers of this format, and what they mean.
