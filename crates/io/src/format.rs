@@ -103,7 +103,7 @@ pub fn detect(path: &Path) -> Result<Format, ReadError> {
     const HEAD: u64 = 4096;
     let mut head = vec![];
     let bytes = Bytes::open(path)?;
-    let stl_bytes = bytes.left();
+    let stl_bytes = bytes.exactly_left().unwrap_or(0);
     // What is wrong with the rest, the format's own reader finds and can name.
     let _ = bytes.take(HEAD).read_to_end(&mut head);
     let by_size = is_binary_stl(&head, stl_bytes).then_some(Format::Stl);

@@ -34,7 +34,10 @@ fn each_three_numbers_of_the_matrix_are_the_direction_of_an_axis() {
          AnatomicalOrientation = RAI\nCenterOfRotation = 5 5 5",
     );
     let frame = file.grid().frame;
-    assert_eq!(frame.index_to_world.columns(), [[0.0, 1.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 3.0]]);
+    assert_eq!(
+        frame.index_to_world.columns(),
+        [[0.0, 1.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 3.0]]
+    );
     assert_eq!(frame.index_to_world.origin(), [10.0, 20.0, 30.0]);
     assert_eq!((frame.space, frame.unit), (Space::Lps, Unit::Millimetre));
     assert!(file.notes().is_empty(), "{:?}", file.notes());

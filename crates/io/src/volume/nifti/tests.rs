@@ -117,11 +117,10 @@ fn a_half_turn_that_was_rounded_up_is_a_half_turn() {
     let mut draft = Draft::new(&ONE);
     draft.codes([1, 0]).reals(ONE.quatern, &[0.0, 1.0 + 1e-7, 0.0, 0.0, 0.0, 0.0]);
     let affine = draft.open().grid().frame.index_to_world;
-    assert_eq!(affine.columns().map(|column| column.map(f64::round)), [
-        [-1.0, 0.0, 0.0],
-        [0.0, 2.0, 0.0],
-        [0.0, 0.0, -3.0]
-    ]);
+    assert_eq!(
+        affine.columns().map(|column| column.map(f64::round)),
+        [[-1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, -3.0]]
+    );
     assert!((affine.determinant() - 6.0).abs() < 1e-12);
 }
 

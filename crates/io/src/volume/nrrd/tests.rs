@@ -39,7 +39,10 @@ fn directions_are_columns_and_none_of_them_need_be_along_an_axis() {
          space origin: (1,2 , 3)\nspace units: \"um\" \"um\" \"um\"",
     );
     let frame = file.grid().frame;
-    assert_eq!(frame.index_to_world.columns(), [[0.0, 2.0, 0.0], [-1.0, 0.0, 0.5], [0.0, 0.0, 3.0]]);
+    assert_eq!(
+        frame.index_to_world.columns(),
+        [[0.0, 2.0, 0.0], [-1.0, 0.0, 0.5], [0.0, 0.0, 3.0]]
+    );
     assert_eq!(frame.index_to_world.origin(), [1.0, 2.0, 3.0]);
     assert_eq!((frame.space, frame.unit), (Space::Lps, Unit::Micrometre));
     assert!(file.notes().iter().all(|note| note.contains("216 bytes after")), "{:?}", file.notes());
@@ -127,9 +130,8 @@ fn missing_axes_have_size_1() {
 
 #[test]
 fn types_have_many_names_and_some_are_refused_by_name() {
-    let dtype = |name: &str| {
-        open(&format!("type: {name}\ndimension: 1\nsizes: 3\nendian: little")).dtype()
-    };
+    let dtype =
+        |name: &str| open(&format!("type: {name}\ndimension: 1\nsizes: 3\nendian: little")).dtype();
     assert_eq!(dtype("signed  char"), Dtype::I8);
     assert_eq!(dtype("UCHAR"), Dtype::U8);
     assert_eq!(dtype("unsigned short int"), Dtype::U16);
@@ -154,7 +156,8 @@ fn a_missing_byte_order_is_assumed_where_it_matters() {
 
 #[test]
 fn comments_pairs_and_unknown_fields_say_nothing_of_samples() {
-    let file = cube("# type: double\ntype:=double\nmeasurement frame: (1,0,0)\nfancy: 3\ncontent: a:=b");
+    let file =
+        cube("# type: double\ntype:=double\nmeasurement frame: (1,0,0)\nfancy: 3\ncontent: a:=b");
     assert_eq!(file.dtype(), Dtype::U8);
     is_refused(&format!("{CUBE}type: short"), "line 5: expected each field once, found type again");
 }
