@@ -1,5 +1,7 @@
 //! The door: every room under one name.
 
+pub mod pipeline;
+
 pub use isokit_geom as geom;
 pub use isokit_io as io;
 pub use isokit_job as job;

@@ -89,6 +89,16 @@ impl TriMesh {
         Self { normals: Some(vec![]), ..Self::default() }
     }
 
+    /// Removes everything and keeps the memory, for the next surface.
+    pub fn clear(&mut self) {
+        match &mut self.positions {
+            Positions::F32(positions) => positions.clear(),
+            Positions::F64(positions) => positions.clear(),
+        }
+        self.normals.iter_mut().for_each(Vec::clear);
+        self.triangles.clear();
+    }
+
     /// How many vertices and triangles there are.
     pub fn counts(&self) -> Counts {
         Counts { vertices: self.positions.len() as u64, triangles: self.triangles.len() as u64 }
@@ -110,7 +120,8 @@ impl TriMesh {
     }
 }
 
-/// Keeps the surface, all pieces as one mesh. A used mesh keeps its memory but none of its content.
+/// Keeps the surface, all pieces as one mesh, after what is there already: a used mesh is
+/// [cleared](TriMesh::clear) first.
 impl MeshSink for TriMesh {
     type Error = Infallible;
 
