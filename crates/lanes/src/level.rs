@@ -45,8 +45,19 @@ impl Level {
             let available = Self::available();
             let wanted = env::var("ISOKIT_SIMD").ok();
             let named = available.iter().find(|level| Some(level.name()) == wanted.as_deref());
-            *named.unwrap_or(&available[available.len() - 1])
+            named.copied().unwrap_or_else(Self::greatest)
         })
+    }
+
+    /// Comes back only if the machine can run this level.
+    #[inline(always)]
+    pub(crate) fn assert_available(self) {
+        assert!(self <= Self::greatest(), "this machine has no {self}");
+    }
+
+    fn greatest() -> Self {
+        let available = Self::available();
+        available[available.len() - 1]
     }
 
     /// `portable`, `avx2` or `avx512`.

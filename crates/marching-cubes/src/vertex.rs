@@ -5,31 +5,12 @@
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
 
-use isokit_geom::Affine;
-use isokit_volume::{Sample, View, gradient};
-
-/// A type of coordinate in the output.
-pub(crate) trait Coordinate: Copy + Send {
-    fn round(value: f64) -> Self;
-}
-
-impl Coordinate for f32 {
-    #[inline(always)]
-    fn round(value: f64) -> Self {
-        value as f32
-    }
-}
-
-impl Coordinate for f64 {
-    #[inline(always)]
-    fn round(value: f64) -> Self {
-        value
-    }
-}
+use isokit_lanes::{Beside, Coordinate, EdgesOfRow, Field, TAME, vertices};
+use isokit_volume::{Row, Sample, View, gradient};
 
 /// A cut edge of the lattice.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cut {
+struct Cut {
     axis: usize,
     /// The lower end in index space; a guard's index may be −1.
     low: [f64; 3],
@@ -40,77 +21,143 @@ pub(crate) struct Cut {
     delta: f64,
 }
 
-/// Everything beside the edge that a vertex depends on.
+/// What a vertex depends on, beside its edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement<'a, T> {
     view: View<'a, T>,
     guard: usize,
-    iso: f64,
-    reach: f64,
-    columns: [[f64; 3]; 3],
-    origin: [f64; 3],
-    covectors: [[f64; 3]; 3],
+    field: Field,
 }
 
 impl<'a, T: Sample> Placement<'a, T> {
     /// `guard` is the lattice index of the first sample, `margin` the least distance that a vertex
     /// keeps from both ends of its edge, in edge lengths.
     pub(crate) fn new(view: View<'a, T>, guard: usize, iso: f64, margin: f64) -> Self {
-        let affine: Affine = view.frame().index_to_world;
-        Self {
-            view,
-            guard,
+        let affine = view.frame().index_to_world;
+        let field = Field {
             iso,
+            slope: view.scaling().slope(),
+            intercept: view.scaling().intercept(),
             reach: 0.5 - margin,
             columns: affine.columns(),
             origin: affine.origin(),
             covectors: affine.covector_columns(),
+        };
+        Self { view, guard, field }
+    }
+
+    /// Places the vertices on the edges along `axis` that start at the points `x` of row `y`, `z` of the
+    /// lattice. `x` becomes sample numbers.
+    ///
+    /// Edges between samples go to the kernel; those to a guard, and those that the kernel names as
+    /// beyond it, are placed one by one. Both do the same arithmetic.
+    pub(crate) fn row<C: Coordinate>(
+        &self,
+        axis: usize,
+        [y, z]: [usize; 2],
+        x: &mut [u32],
+        positions: &mut [[C; 3]],
+        mut normals: Option<&mut [[f32; 3]]>,
+        odd: &mut Vec<usize>,
+    ) {
+        odd.clear();
+        let guard = self.guard as u32;
+        let [y, z] = [y, z].map(|i| i.wrapping_sub(self.guard));
+        x.iter_mut().for_each(|x| *x = x.wrapping_sub(guard));
+        if let Some(edges) = self.edges_of_row(axis, [y, z]) {
+            // Along x the first and the last edge may lead to a guard.
+            let last = (self.view.dims()[0] - 1) as u32;
+            let first_is_guard = x.first() == Some(&u32::MAX);
+            let last_is_guard = axis == 0 && x.last() == Some(&last);
+            let inner = usize::from(first_is_guard)..x.len() - usize::from(last_is_guard);
+            vertices(
+                &edges,
+                &self.field,
+                &x[inner.clone()],
+                &mut positions[inner.clone()],
+                normals.as_deref_mut().map(|normals| &mut normals[inner.clone()]),
+                odd,
+            );
+            odd.iter_mut().for_each(|n| *n += inner.start);
+            odd.extend((0..inner.start).chain(inner.end..x.len()));
+        } else {
+            odd.extend(0..x.len());
+        }
+        for &n in &*odd {
+            // The guard before the first sample keeps its wrapped number.
+            let x = if x[n] == u32::MAX { usize::MAX } else { x[n] as usize };
+            let cut = self.cut(axis, [x, y, z]);
+            positions[n] = self.position(&cut);
+            if let Some(normals) = &mut normals {
+                normals[n] = self.normal(&cut);
+            }
         }
     }
 
-    /// The cut of the edge along `axis` whose lower end is `point` of the lattice.
-    #[inline(always)]
-    pub(crate) fn cut(&self, axis: usize, point: [usize; 3]) -> Cut {
-        let low = point.map(|p| p as f64 - self.guard as f64);
-        let sample = point.map(|p| p.wrapping_sub(self.guard));
-        let mut above = sample;
-        above[axis] = above[axis].wrapping_add(1);
+    /// The rows around the edges along `axis` that start in a row of samples, unless one of the rows is a
+    /// guard or does not lie in one piece.
+    fn edges_of_row(&self, axis: usize, [y, z]: [usize; 2]) -> Option<EdgesOfRow<'a, T>> {
+        let (to_y, to_z) = (usize::from(axis == 1), usize::from(axis == 2));
+        let high = [y.wrapping_add(to_y), z.wrapping_add(to_z)];
+        let place = [y as f64, z as f64];
+        Some(EdgesOfRow { axis, low: self.beside([y, z])?, high: self.beside(high)?, place })
+    }
+
+    fn beside(&self, [y, z]: [usize; 2]) -> Option<Beside<'a, T>> {
+        let [_, ny, nz] = self.view.dims();
+        if y >= ny || z >= nz {
+            return None;
+        }
+        let row = |y: usize, z: usize| match self.view.row(y, z) {
+            Row::Contiguous(row) => Some(row),
+            Row::Strided { .. } => None,
+        };
+        let around = |i: usize, n: usize| [i.saturating_sub(1), (i + 1).min(n - 1)];
+        let factor = |[below, above]: [usize; 2]| if above - below == 2 { 0.5 } else { 1.0 };
+        let (ys, zs) = (around(y, ny), around(z, nz));
+        Some(Beside {
+            row: row(y, z)?,
+            y: [row(ys[0], z)?, row(ys[1], z)?],
+            z: [row(y, zs[0])?, row(y, zs[1])?],
+            factors: [factor(ys), factor(zs)],
+        })
+    }
+
+    /// The cut of the edge along `axis` whose lower end is the sample `low`, or the guard before the
+    /// first, whose index is one below 0 and wraps.
+    fn cut(&self, axis: usize, low: [usize; 3]) -> Cut {
+        let mut high = low;
+        high[axis] = high[axis].wrapping_add(1);
         let size = self.view.dims()[axis];
-        let ends = [sample, above].map(|ijk| (ijk[axis] < size).then_some(ijk));
+        let ends = [low, high].map(|ijk| (ijk[axis] < size).then_some(ijk));
         let values = ends.map(|end| end.map(|ijk| self.view.value(ijk)));
-        let delta = delta(values, self.iso).clamp(-self.reach, self.reach);
+        let delta = delta(values, self.field.iso).clamp(-self.field.reach, self.field.reach);
+        let low = low.map(|i| i as isize as f64);
         Cut { axis, low, ends, values, delta }
     }
 
     /// The position of a cut in world space.
-    #[inline(always)]
-    pub(crate) fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
+    fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
         let mut ijk = cut.low;
-        ijk[cut.axis] += 0.5;
-        ijk[cut.axis] += cut.delta;
-        std::array::from_fn(|k| {
-            let along = |axis: usize| self.columns[axis][k] * ijk[axis];
-            C::round(along(0) + (along(1) + (along(2) + self.origin[k])))
-        })
+        ijk[cut.axis] = ijk[cut.axis] + 0.5 + cut.delta;
+        self.field.world(ijk).map(C::round)
     }
 
     /// The unit normal at a cut: against the gradient, which is interpolated between the ends.
     ///
     /// Where the samples tell no gradient, at a guard or where all differences cancel, the value is still
     /// known to fall along the edge, and that direction stands in.
-    #[inline(always)]
-    pub(crate) fn normal(&self, cut: &Cut) -> [f32; 3] {
+    fn normal(&self, cut: &Cut) -> [f32; 3] {
         let found = self.outward(self.gradient(cut));
         found.unwrap_or_else(|| {
             let mut along = [0.0; 3];
-            let falls = cut.values[0].is_some_and(|low| low >= self.iso);
+            let falls = cut.values[0].is_some_and(|low| low >= self.field.iso);
             along[cut.axis] = if falls { -1.0 } else { 1.0 };
             // An axis has a direction, since the frame can be inverted.
             self.outward(along).unwrap_or([0.0, 0.0, 1.0])
         })
     }
 
-    #[inline(always)]
     fn gradient(&self, cut: &Cut) -> [f64; 3] {
         let [Some(low), Some(high)] = cut.ends else { return [0.0; 3] };
         let share = match cut.values.map(|value| value.is_some_and(f64::is_finite)) {
@@ -123,30 +170,28 @@ impl<'a, T: Sample> Placement<'a, T> {
     }
 
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
-    #[inline(always)]
     fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
-        let steepest = greatest(gradient);
-        // Divided by its greatest part first, so that no square overflows or vanishes.
-        let inward = gradient.map(|part| part / steepest);
-        let world: [f64; 3] = std::array::from_fn(|k| {
-            let along = |axis: usize| self.covectors[axis][k] * inward[axis];
-            along(0) + along(1) + along(2)
-        });
-        let longest = greatest(world);
-        if !(steepest > 0.0 && longest > 0.0) {
-            return None;
+        let world = self.field.world_gradient(gradient);
+        if TAME.contains(&greatest(world)) {
+            return Some(against(world));
         }
-        let world = world.map(|part| part / longest);
-        let length = (world[0] * world[0] + world[1] * world[1] + world[2] * world[2]).sqrt();
-        Some(world.map(|part| (-part / length) as f32))
+        // Divided by its greatest part first, so that no square overflows or vanishes.
+        let world = self.field.world_gradient(gradient.map(|part| part / greatest(gradient)));
+        let longest = greatest(world);
+        (longest > 0.0).then(|| against(world.map(|part| part / longest)))
     }
+}
+
+/// The unit vector against `v`, whose square is neither 0 nor infinite.
+fn against(v: [f64; 3]) -> [f32; 3] {
+    let outward = -1.0 / (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|part| (part * outward) as f32)
 }
 
 /// The crossing between two values, in edge lengths from the middle of the edge, from −½ to ½.
 ///
 /// Next to a guard it is at the sample, next to a value that is not finite at the finite one, between two
 /// that are not in the middle.
-#[inline(always)]
 fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
     match values {
         [Some(low), Some(high)] if low.is_finite() && high.is_finite() => {
@@ -172,7 +217,6 @@ fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
     }
 }
 
-#[inline(always)]
 fn greatest(v: [f64; 3]) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
