@@ -1,23 +1,29 @@
-//! Where the edges of a row are crossed, and the normals there.
+//! Where edges are crossed, and the normals there, 16 edges at a time.
 //!
-//! One loop over batches of edges: the samples around the ends of a batch are gathered into arrays, one
-//! number per edge, and everything after that is plain arithmetic on whole arrays, which becomes vector
-//! code as wide as the machine has. There is one text for all levels, no fused multiply-add and no
-//! estimate of a reciprocal, so the bits are the same.
+//! The samples around the ends of a batch of edges are loaded into arrays, one number per edge, and
+//! everything after that is plain arithmetic on whole arrays, which becomes vector code as wide as the
+//! machine has. There is one text for all levels, no fused multiply-add and no estimate of a reciprocal,
+//! so the bits are the same. Only the loads are written twice: AVX-512 gathers.
 //!
-//! The loop knows only finite values. Edges where something is not finite, or where the gradient
-//! vanishes or is too large or small to square, are named to the caller, who places them one by one.
+//! The arithmetic knows only finite values. Edges where something is not finite, or where the gradient
+//! vanishes or is too large or small to square, come back marked, and the caller places them one by one.
+//! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
 
-use crate::{Lane, Level};
+mod load;
+#[cfg(test)]
+mod tests;
+
+use crate::{Lane, Level, Samples};
+use load::{Load, Plain};
 
 /// Edges per batch: two registers of f64 at the widest.
-const BATCH: usize = 16;
+pub const BATCH: usize = 16;
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
 pub const TAME: std::ops::Range<f64> = 1e-120..1e120;
 
 /// A type of coordinate in the output: `f32` or `f64`.
-pub trait Coordinate: Copy + Send + sealed::Sealed {
+pub trait Coordinate: Copy + Default + Send + sealed::Sealed {
     /// The coordinate nearest to a value.
     fn round(value: f64) -> Self;
 }
@@ -40,32 +46,6 @@ impl Coordinate for f64 {
     fn round(value: f64) -> Self {
         value
     }
-}
-
-/// A row of samples, and the rows beside it.
-#[derive(Clone, Copy, Debug)]
-pub struct Beside<'a, T> {
-    /// The row itself.
-    pub row: &'a [T],
-    /// The next lower and the next higher row along y, or the row itself where there is none.
-    pub y: [&'a [T]; 2],
-    /// The same along z.
-    pub z: [&'a [T]; 2],
-    /// What turns the differences along y and z into a slope: ½ between two neighbours, 1 at a border.
-    pub factors: [f64; 2],
-}
-
-/// Edges along one axis whose lower ends lie in one row.
-#[derive(Clone, Copy, Debug)]
-pub struct EdgesOfRow<'a, T> {
-    /// The axis, 0 to 2.
-    pub axis: usize,
-    /// Around the lower ends.
-    pub low: Beside<'a, T>,
-    /// Around the upper ends. Along x this is the same row, one sample on.
-    pub high: Beside<'a, T>,
-    /// The row's place in index space along y and z.
-    pub place: [f64; 2],
 }
 
 /// Everything beside the samples that a vertex depends on.
@@ -91,7 +71,7 @@ impl Field {
     /// The place in world space of a point of index space.
     #[inline(always)]
     pub fn world(&self, ijk: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| {
+        each_axis(|k| {
             let along = |axis: usize| self.columns[axis][k] * ijk[axis];
             along(0) + (along(1) + (along(2) + self.origin[k]))
         })
@@ -100,230 +80,302 @@ impl Field {
     /// The gradient in world space of a gradient in index space.
     #[inline(always)]
     pub fn world_gradient(&self, gradient: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| {
+        each_axis(|k| {
             let along = |axis: usize| self.covectors[axis][k] * gradient[axis];
             along(0) + along(1) + along(2)
         })
     }
 }
 
-/// Places the vertices of the edges at `x`, in order.
-///
-/// Numbers of edges that the loop cannot place are appended to `odd`; what stands in their places then is
-/// of no meaning.
-///
-/// # Panics
-///
-/// If the rows differ in length, an edge has an end beyond them, or there are fewer places than edges.
-pub fn vertices<T: Lane + Into<f64>, C: Coordinate>(
-    edges: &EdgesOfRow<'_, T>,
-    field: &Field,
-    x: &[u32],
-    positions: &mut [[C; 3]],
-    normals: Option<&mut [[f32; 3]]>,
-    odd: &mut Vec<usize>,
-) {
-    vertices_at(Level::current(), edges, field, x, positions, normals, odd);
+/// Edges between samples, by axis and lower end.
+#[derive(Clone, Copy, Debug)]
+pub struct Edges {
+    /// The axis, 0 to 2, of each.
+    axis: [u32; BATCH],
+    /// The lower end of each, x, y and z apart.
+    low: [[u32; BATCH]; 3],
+    count: usize,
 }
 
-fn vertices_at<T: Lane + Into<f64>, C: Coordinate>(
-    level: Level,
-    edges: &EdgesOfRow<'_, T>,
+impl Default for Edges {
+    fn default() -> Self {
+        Self { axis: [0; BATCH], low: [[0; BATCH]; 3], count: 0 }
+    }
+}
+
+impl Edges {
+    /// Adds an edge and says whether the batch is full now.
+    ///
+    /// # Panics
+    ///
+    /// If it was full before.
+    #[inline(always)]
+    pub fn push(&mut self, axis: usize, low: [u32; 3]) -> bool {
+        self.axis[self.count] = axis as u32;
+        for (all, own) in self.low.iter_mut().zip(low) {
+            all[self.count] = own;
+        }
+        self.count += 1;
+        self.count == BATCH
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Axis and lower end of edge `n`.
+    pub fn get(&self, n: usize) -> (usize, [u32; 3]) {
+        (self.axis[n] as usize, self.low.map(|all| all[n]))
+    }
+
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// The vertices of a batch.
+#[derive(Clone, Debug)]
+pub struct Vertices<C> {
+    /// Where they are, in world space.
+    pub positions: [[C; 3]; BATCH],
+    /// Unit normals, against the gradient.
+    pub normals: [[f32; 3]; BATCH],
+    /// Bit `n` is set where the vertex of edge `n` has yet to be placed.
+    pub odd: u32,
+}
+
+impl<C: Coordinate> Default for Vertices<C> {
+    fn default() -> Self {
+        let positions = [[C::default(); 3]; BATCH];
+        Self { positions, normals: [[0.0; 3]; BATCH], odd: 0 }
+    }
+}
+
+/// Whether normals are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Normals {
+    /// They are not.
+    None,
+    /// They are.
+    Gradient,
+}
+
+/// Places the vertices of a batch of edges. An edge whose ends are not both samples is odd.
+pub fn vertices<T: Lane, C: Coordinate>(
+    samples: &Samples<'_, T>,
     field: &Field,
-    x: &[u32],
-    positions: &mut [[C; 3]],
-    normals: Option<&mut [[f32; 3]]>,
-    odd: &mut Vec<usize>,
+    edges: &Edges,
+    normals: Normals,
+    out: &mut Vertices<C>,
 ) {
-    let run = Run { edges, field, x };
+    vertices_at(Level::current(), samples, field, edges, normals, out);
+}
+
+fn vertices_at<T: Lane, C: Coordinate>(
+    level: Level,
+    samples: &Samples<'_, T>,
+    field: &Field,
+    edges: &Edges,
+    normals: Normals,
+    out: &mut Vertices<C>,
+) {
+    let batch = Batch { samples, field, edges, normals };
     match level {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { run.avx512(positions, normals, odd) }
+            unsafe { batch.avx512(out) }
         }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { run.avx2(positions, normals, odd) }
+            unsafe { batch.avx2(out) }
         }
-        _ => run.plain(positions, normals, odd),
+        _ => batch.place(Plain, out),
     }
 }
 
-struct Run<'r, 'a, T> {
-    edges: &'r EdgesOfRow<'a, T>,
-    field: &'r Field,
-    x: &'r [u32],
+struct Batch<'b, 'a, T> {
+    samples: &'b Samples<'a, T>,
+    field: &'b Field,
+    edges: &'b Edges,
+    normals: Normals,
 }
 
-type Lanes = [f64; BATCH];
+/// One number for each edge.
+type Lanes<N = f64> = [N; BATCH];
 
+/// A plain loop, which always becomes part of the caller, unlike the functions on arrays in `std`.
 #[inline(always)]
-fn each(f: impl FnMut(usize) -> f64) -> Lanes {
-    std::array::from_fn(f)
+fn each<N: Copy + Default>(mut f: impl FnMut(usize) -> N) -> Lanes<N> {
+    let mut lanes = [N::default(); BATCH];
+    let mut n = 0;
+    while n < BATCH {
+        lanes[n] = f(n);
+        n += 1;
+    }
+    lanes
 }
 
-/// One batch of crossings.
-struct Crossings {
-    delta: Lanes,
-    is_odd: [bool; BATCH],
+/// The same for the three axes.
+#[inline(always)]
+fn each_axis<N: Copy + Default>(mut f: impl FnMut(usize) -> N) -> [N; 3] {
+    let mut axes = [N::default(); 3];
+    for (axis, part) in axes.iter_mut().enumerate() {
+        *part = f(axis);
+    }
+    axes
 }
 
-impl<T: Lane + Into<f64>> Run<'_, '_, T> {
+/// An end of every edge: its number among the samples, and its place along x, y, z.
+struct Ends {
+    number: Lanes<i64>,
+    place: [Lanes<u32>; 3],
+}
+
+impl<T: Lane> Batch<'_, '_, T> {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    fn avx2<C: Coordinate>(
-        &self,
-        positions: &mut [[C; 3]],
-        normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<usize>,
-    ) {
-        self.plain(positions, normals, odd);
+    fn avx2<C: Coordinate>(&self, out: &mut Vertices<C>) {
+        self.place(Plain, out);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-    fn avx512<C: Coordinate>(
-        &self,
-        positions: &mut [[C; 3]],
-        normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<usize>,
-    ) {
-        self.plain(positions, normals, odd);
+    fn avx512<C: Coordinate>(&self, out: &mut Vertices<C>) {
+        // SAFETY: this function runs only where the machine has AVX-512 F.
+        self.place(unsafe { load::Gather::new() }, out);
     }
 
     #[inline(always)]
-    fn plain<C: Coordinate>(
-        &self,
-        positions: &mut [[C; 3]],
-        mut normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<usize>,
-    ) {
-        for first in (0..self.x.len()).step_by(BATCH) {
-            let batch = &self.x[first..self.x.len().min(first + BATCH)];
-            // The last batch is filled up with its last edge.
-            let x: [usize; BATCH] = std::array::from_fn(|n| batch[n.min(batch.len() - 1)] as usize);
-            let places = first..first + batch.len();
-            let Crossings { delta, mut is_odd } = self.crossings(&x);
-            self.write_positions(&x, &delta, &mut positions[places.clone()]);
-            if let Some(normals) = &mut normals {
-                self.write_normals(&x, &delta, &mut is_odd, &mut normals[places]);
-            }
-            if is_odd.contains(&true) {
-                odd.extend((0..batch.len()).filter(|&n| is_odd[n]).map(|n| first + n));
-            }
-        }
-    }
-
-    /// How far on along x the upper end is.
-    #[inline(always)]
-    fn step(&self) -> usize {
-        usize::from(self.edges.axis == 0)
-    }
-
-    #[inline(always)]
-    fn crossings(&self, x: &[usize; BATCH]) -> Crossings {
+    fn place<C: Coordinate>(&self, load: impl Load, out: &mut Vertices<C>) {
         let Field { iso, slope, intercept, reach, .. } = *self.field;
-        let step = self.step();
-        let low = each(|n| self.edges.low.row[x[n]].into());
-        let high = each(|n| self.edges.high.row[x[n] + step].into());
-        let above = |stored: Lanes| each(|n| (stored[n] * slope + intercept) - iso);
-        let (a, b) = (above(low), above(high));
+        let (low, high, mut is_odd) = self.ends();
+        let value = |ends: &Ends| {
+            // SAFETY: both ends of every edge are lattice points, as `ends` makes them.
+            let stored = unsafe { load.load(self.samples, &ends.number) };
+            each(|n| (stored[n] * slope + intercept) - iso)
+        };
+        let (a, b) = (value(&low), value(&high));
         let difference = each(|n| a[n] - b[n]);
-        let delta = each(|n| (a[n] + b[n]) / difference[n] * 0.5);
-        Crossings {
-            // Not `clamp`, which asks after NaN; those are odd, and placed by the caller.
-            delta: each(|n| delta[n].max(-reach).min(reach)),
-            is_odd: std::array::from_fn(|n| !difference[n].is_finite()),
+        // Not `clamp`, which asks after NaN; those are odd.
+        let delta = each(|n| ((a[n] + b[n]) / difference[n] * 0.5).max(-reach).min(reach));
+        for n in 0..BATCH {
+            is_odd[n] |= !difference[n].is_finite();
         }
+        self.write_positions(&delta, &mut out.positions);
+        if self.normals == Normals::Gradient {
+            let share = each(|n| 0.5 + delta[n]);
+            let gradients = [self.gradients(load, &low), self.gradients(load, &high)];
+            self.write_normals(gradients, share, &mut is_odd, &mut out.normals);
+        }
+        out.odd = (0..BATCH).fold(0, |odd, n| odd | u32::from(is_odd[n]) << n);
+        out.odd &= (1 << self.edges.count) - 1;
+    }
+
+    /// Both ends of every edge, and which edges do not lie between two samples. Those stand on the first
+    /// sample instead, so that all numbers are sound.
+    #[inline(always)]
+    fn ends(&self) -> (Ends, Ends, Lanes<bool>) {
+        let Edges { axis, low, .. } = self.edges;
+        let (dims, strides) = (self.samples.dims(), self.samples.strides());
+        let step = |n: usize, along: usize| u32::from(axis[n] == along as u32);
+        // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and + 1 does not overflow.
+        let outside = |n: usize, along: usize| {
+            low[along][n] >= dims[along]
+                || low[along][n].wrapping_add(step(n, along)) >= dims[along]
+        };
+        let is_odd = each(|n| outside(n, 0) | outside(n, 1) | outside(n, 2));
+        let low: [Lanes<u32>; 3] =
+            each_axis(|along| each(|n| if is_odd[n] { 0 } else { low[along][n] }));
+        let high: [Lanes<u32>; 3] =
+            each_axis(|along| each(|n| if is_odd[n] { 0 } else { low[along][n] + step(n, along) }));
+        let number = |place: &[Lanes<u32>; 3]| {
+            each(|n| {
+                let along = |axis: usize| i64::from(place[axis][n]) * strides[axis];
+                self.samples.first() + along(0) + along(1) + along(2)
+            })
+        };
+        let ends = |place: [Lanes<u32>; 3]| Ends { number: number(&place), place };
+        (ends(low), ends(high), is_odd)
     }
 
     #[inline(always)]
-    fn write_positions<C: Coordinate>(
-        &self,
-        x: &[usize; BATCH],
-        delta: &Lanes,
-        out: &mut [[C; 3]],
-    ) {
-        let [y, z] = self.edges.place;
-        let mut ijk = [each(|n| x[n] as f64), [y; BATCH], [z; BATCH]];
-        let along = &mut ijk[self.edges.axis];
-        *along = each(|n| along[n] + 0.5 + delta[n]);
+    fn write_positions<C: Coordinate>(&self, delta: &Lanes, out: &mut [[C; 3]; BATCH]) {
+        let Edges { axis, low, .. } = self.edges;
+        let ijk: [Lanes; 3] = each_axis(|along| {
+            each(|n| {
+                let place = f64::from(low[along][n]);
+                if axis[n] == along as u32 { place + 0.5 + delta[n] } else { place }
+            })
+        });
         let mut world = [[0.0; BATCH]; 3];
         for n in 0..BATCH {
             let place = self.field.world([ijk[0][n], ijk[1][n], ijk[2][n]]);
             [world[0][n], world[1][n], world[2][n]] = place;
         }
-        let world = world.map(|lanes| lanes.map(C::round));
+        let world = each_axis(|k| each(|n| C::round(world[k][n])));
         for (n, place) in out.iter_mut().enumerate() {
             *place = [world[0][n], world[1][n], world[2][n]];
         }
     }
 
+    /// Differences in index space at an end of each edge, one-sided at the border.
+    #[inline(always)]
+    fn gradients(&self, load: impl Load, ends: &Ends) -> [Lanes; 3] {
+        let (dims, strides) = (self.samples.dims(), self.samples.strides());
+        each_axis(|along| {
+            let (place, last) = (&ends.place[along], dims[along] - 1);
+            let below: Lanes<i64> = each(|n| if place[n] > 0 { strides[along] } else { 0 });
+            let above: Lanes<i64> = each(|n| if place[n] < last { strides[along] } else { 0 });
+            let factor = each(|n| if place[n] > 0 && place[n] < last { 0.5 } else { 1.0 });
+            let (below, above) =
+                (each(|n| ends.number[n] - below[n]), each(|n| ends.number[n] + above[n]));
+            // SAFETY: an end is a lattice point; one step down is too unless its place is 0, and one
+            // step up unless its place is the last, and then no step is made.
+            let [lower, upper] =
+                unsafe { [load.load(self.samples, &below), load.load(self.samples, &above)] };
+            each(|n| (upper[n] - lower[n]) * factor[n] * self.field.slope)
+        })
+    }
+
     #[inline(always)]
     fn write_normals(
         &self,
-        x: &[usize; BATCH],
-        delta: &Lanes,
-        is_odd: &mut [bool; BATCH],
-        out: &mut [[f32; 3]],
+        [low, high]: [[Lanes; 3]; 2],
+        share: Lanes,
+        is_odd: &mut Lanes<bool>,
+        out: &mut [[f32; 3]; BATCH],
     ) {
-        let slope = self.field.slope;
-        let step = self.step();
-        let low = gradients(&self.edges.low, x, 0, slope);
-        let high = gradients(&self.edges.high, x, step, slope);
-        let share = each(|n| 0.5 + delta[n]);
-        let gradient: [Lanes; 3] = std::array::from_fn(|axis| {
-            each(|n| low[axis][n] * (1.0 - share[n]) + high[axis][n] * share[n])
-        });
+        let gradient: [Lanes; 3] =
+            each_axis(|axis| each(|n| low[axis][n] * (1.0 - share[n]) + high[axis][n] * share[n]));
         let mut world = [[0.0; BATCH]; 3];
         for n in 0..BATCH {
             let g = self.field.world_gradient([gradient[0][n], gradient[1][n], gradient[2][n]]);
             [world[0][n], world[1][n], world[2][n]] = g;
         }
         let greatest = each(|n| world[0][n].abs().max(world[1][n].abs()).max(world[2][n].abs()));
-        let length = each(|n| {
+        let outward = each(|n| {
             let [a, b, c] = [world[0][n], world[1][n], world[2][n]];
-            (a * a + b * b + c * c).sqrt()
+            -1.0 / (a * a + b * b + c * c).sqrt()
         });
-        let outward = each(|n| -1.0 / length[n]);
-        let normal = world.map(|part| {
-            let unit = each(|n| part[n] * outward[n]);
-            unit.map(|part| part as f32)
-        });
+        let normal = each_axis(|k| each(|n| (world[k][n] * outward[n]) as f32));
         for n in 0..BATCH {
             // A NaN among the parts may hide behind the maximum of the others, not behind a sum.
             let sum = low[0][n] + low[1][n] + low[2][n] + high[0][n] + high[1][n] + high[2][n];
-            is_odd[n] |= !TAME.contains(&greatest[n]) || !sum.is_finite();
+            is_odd[n] |= !(greatest[n] >= TAME.start && greatest[n] < TAME.end && sum.is_finite());
         }
         for (n, place) in out.iter_mut().enumerate() {
             *place = [normal[0][n], normal[1][n], normal[2][n]];
         }
     }
-}
-
-/// Differences at the samples `x + step` of a row, one-sided at its ends, times the slope of the scaling.
-#[inline(always)]
-fn gradients<T: Lane + Into<f64>>(
-    beside: &Beside<'_, T>,
-    x: &[usize; BATCH],
-    step: usize,
-    slope: f64,
-) -> [Lanes; 3] {
-    let last = beside.row.len() - 1;
-    let below = |n: usize| (x[n] + step).saturating_sub(1);
-    let above = |n: usize| (x[n] + step + 1).min(last);
-    let factor = each(|n| if above(n) - below(n) == 2 { 0.5 } else { 1.0 });
-    let lower = each(|n| beside.row[below(n)].into());
-    let upper = each(|n| beside.row[above(n)].into());
-    let along_x = each(|n| (upper[n] - lower[n]) * factor[n] * slope);
-    let across = |rows: [&[T]; 2], factor: f64| {
-        let lower = each(|n| rows[0][x[n] + step].into());
-        let upper = each(|n| rows[1][x[n] + step].into());
-        each(|n| (upper[n] - lower[n]) * factor * slope)
-    };
-    [along_x, across(beside.y, beside.factors[0]), across(beside.z, beside.factors[1])]
 }

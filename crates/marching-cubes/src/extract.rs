@@ -62,7 +62,7 @@ pub fn extract_into<T: Sample, S: MeshSink<Error: Send> + Send>(
         job.limits.probe("surface", bytes, 1)?;
         let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
         if let Some(layout) = &plan.layout {
-            let placement = Placement::new(*view, lattice.guard, iso, margin);
+            let placement = Placement::new(*view, iso, margin);
             let fill = Fill { planes: &plan.planes, layout, placement, winding: plan.winding };
             fill.piece(piece, options.layers_per_task.get(), job)?;
         }

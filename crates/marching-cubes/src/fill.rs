@@ -2,12 +2,12 @@
 
 use crate::{
     case::{CASES, CASES_TURNED},
-    layout::{Layout, Row},
+    layout::Layout,
     planes::Planes,
     vertex::Placement,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Coordinate, FirstVertices, Word, triangles};
+use isokit_lanes::{Coordinate, Edges, FirstVertices, Normals, Vertices, Word, triangles};
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -36,12 +36,11 @@ struct Room<'a, C> {
     normals: Option<&'a mut [[f32; 3]]>,
 }
 
-/// Memory that a task uses again for every row.
-#[derive(Default)]
-struct Scratch {
-    words: Vec<Word>,
-    x: Vec<u32>,
-    odd: Vec<usize>,
+/// Vertices on the way to their places, 16 at a time.
+struct Stream<'a, C> {
+    room: Room<'a, C>,
+    edges: Edges,
+    vertices: Vertices<C>,
 }
 
 impl<T: Sample> Fill<'_, T> {
@@ -81,9 +80,9 @@ impl<T: Sample> Fill<'_, T> {
         }
         tasks.into_par_iter().try_for_each(|(slices, mut room, mut triangles)| {
             job.check()?;
-            let mut scratch = Scratch::default();
+            let mut words = vec![];
             for z in slices {
-                self.slice(z, &mut room, &mut triangles, &mut scratch);
+                self.slice(z, &mut room, &mut triangles, &mut words);
                 job.progress.advance(1);
             }
             Ok(())
@@ -96,53 +95,47 @@ impl<T: Sample> Fill<'_, T> {
         z: usize,
         room: &mut Room<'_, C>,
         triangles: &mut &mut [[u32; 3]],
-        scratch: &mut Scratch,
+        words: &mut Vec<Word>,
     ) {
         let [_, ny, nz] = self.planes.lattice.points;
-        let row = |y: usize| self.layout.row(self.planes.lattice, y, z);
-        let end_of_x_and_y = row(0).z;
-        let end = Row { x: end_of_x_and_y, z: self.layout.slices[z + 1].vertices as u32, ..row(0) };
-        let mut in_slice = room.split_off((end_of_x_and_y - row(0).x) as usize);
+        let first = self.layout.row(self.planes.lattice, 0, z);
+        let end = self.layout.slices[z + 1].vertices as u32;
+        let mut along_x_and_y = Stream::new(room.split_off((first.z - first.x) as usize));
+        let mut along_z = Stream::new(room.split_off((end - first.z) as usize));
         for y in 0..ny {
-            let own = row(y);
-            let next = if y + 1 < ny { row(y + 1) } else { end };
-            let along = [
-                in_slice.split_off((own.y - own.x) as usize),
-                in_slice.split_off((next.x - own.y) as usize),
-                room.split_off((next.z - own.z) as usize),
-            ];
-            self.layout.words_of_row(self.planes, [y, z], &mut scratch.words);
-            if scratch.words.is_empty() {
-                continue;
-            }
-            for (axis, room) in along.into_iter().enumerate() {
-                self.edges(axis, [y, z], room, scratch);
-            }
+            self.layout.words_of_row(self.planes, [y, z], words);
+            self.edges(0, [y, z], words, &mut along_x_and_y);
+            self.edges(1, [y, z], words, &mut along_x_and_y);
+            self.edges(2, [y, z], words, &mut along_z);
             if y + 1 < ny && z + 1 < nz {
-                let written = self.triangles([y, z], &scratch.words, triangles);
+                let written = self.triangles([y, z], words, triangles);
                 split_off(triangles, written);
             }
         }
+        along_x_and_y.flush(&self.placement);
+        along_z.flush(&self.placement);
     }
 
-    /// The vertices on the edges along one axis that a row owns.
+    /// Sends the edges along one axis that a row owns and that are cut to their vertices.
+    #[inline(always)]
     fn edges<C: Coordinate>(
         &self,
         axis: usize,
         [y, z]: [usize; 2],
-        room: Room<'_, C>,
-        Scratch { words, x, odd }: &mut Scratch,
+        words: &[Word],
+        stream: &mut Stream<'_, C>,
     ) {
-        x.clear();
-        for word in &*words {
+        // A guard before the first sample has the number −1, which wraps.
+        let sample = |point: usize| point.wrapping_sub(self.planes.lattice.guard) as u32;
+        for word in words {
             let mut cuts = word.owned()[axis];
             while cuts != 0 {
-                x.push(word.first as u32 + cuts.trailing_zeros());
+                let x = word.first + cuts.trailing_zeros() as usize;
                 cuts &= cuts - 1;
+                if stream.edges.push(axis, [x, y, z].map(sample)) {
+                    stream.flush(&self.placement);
+                }
             }
-        }
-        if !x.is_empty() {
-            self.placement.row(axis, [y, z], x, room.positions, room.normals, odd);
         }
     }
 
@@ -170,6 +163,28 @@ impl<'a, C: Coordinate> Room<'a, C> {
             positions: split_off(&mut self.positions, vertices),
             normals: self.normals.as_mut().map(|normals| split_off(normals, vertices)),
         }
+    }
+}
+
+impl<'a, C: Coordinate> Stream<'a, C> {
+    fn new(room: Room<'a, C>) -> Self {
+        Self { room, edges: Edges::default(), vertices: Vertices::default() }
+    }
+
+    /// Writes what is on the way.
+    fn flush<T: Sample>(&mut self, placement: &Placement<'_, T>) {
+        if self.edges.is_empty() {
+            return;
+        }
+        let count = self.edges.len();
+        let Room { positions, normals } = self.room.split_off(count);
+        let wanted = if normals.is_some() { Normals::Gradient } else { Normals::None };
+        placement.place(&self.edges, wanted, &mut self.vertices);
+        positions.copy_from_slice(&self.vertices.positions[..count]);
+        if let Some(normals) = normals {
+            normals.copy_from_slice(&self.vertices.normals[..count]);
+        }
+        self.edges.clear();
     }
 }
 

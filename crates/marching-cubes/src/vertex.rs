@@ -5,8 +5,8 @@
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
 
-use isokit_lanes::{Beside, Coordinate, EdgesOfRow, Field, TAME, vertices};
-use isokit_volume::{Row, Sample, View, gradient};
+use isokit_lanes::{Coordinate, Edges, Field, Normals, Samples, TAME, Vertices, vertices};
+use isokit_volume::{Sample, View, gradient};
 
 /// A cut edge of the lattice.
 #[derive(Clone, Copy, Debug)]
@@ -25,14 +25,13 @@ struct Cut {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement<'a, T> {
     view: View<'a, T>,
-    guard: usize,
+    samples: Option<Samples<'a, T>>,
     field: Field,
 }
 
 impl<'a, T: Sample> Placement<'a, T> {
-    /// `guard` is the lattice index of the first sample, `margin` the least distance that a vertex
-    /// keeps from both ends of its edge, in edge lengths.
-    pub(crate) fn new(view: View<'a, T>, guard: usize, iso: f64, margin: f64) -> Self {
+    /// `margin` is the least distance that a vertex keeps from both ends of its edge, in edge lengths.
+    pub(crate) fn new(view: View<'a, T>, iso: f64, margin: f64) -> Self {
         let affine = view.frame().index_to_world;
         let field = Field {
             iso,
@@ -43,89 +42,39 @@ impl<'a, T: Sample> Placement<'a, T> {
             origin: affine.origin(),
             covectors: affine.covector_columns(),
         };
-        Self { view, guard, field }
+        Self { samples: view.samples(), view, field }
     }
 
-    /// Places the vertices on the edges along `axis` that start at the points `x` of row `y`, `z` of the
-    /// lattice. `x` becomes sample numbers.
-    ///
-    /// Edges between samples go to the kernel; those to a guard, and those that the kernel names as
-    /// beyond it, are placed one by one. Both do the same arithmetic.
-    pub(crate) fn row<C: Coordinate>(
+    /// Places a batch of edges. Edges between samples go to the kernel; those to a guard, and those that
+    /// the kernel calls odd, are placed one by one. Both do the same arithmetic.
+    pub(crate) fn place<C: Coordinate>(
         &self,
-        axis: usize,
-        [y, z]: [usize; 2],
-        x: &mut [u32],
-        positions: &mut [[C; 3]],
-        mut normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<usize>,
+        edges: &Edges,
+        normals: Normals,
+        out: &mut Vertices<C>,
     ) {
-        odd.clear();
-        let guard = self.guard as u32;
-        let [y, z] = [y, z].map(|i| i.wrapping_sub(self.guard));
-        x.iter_mut().for_each(|x| *x = x.wrapping_sub(guard));
-        if let Some(edges) = self.edges_of_row(axis, [y, z]) {
-            // Along x the first and the last edge may lead to a guard.
-            let last = (self.view.dims()[0] - 1) as u32;
-            let first_is_guard = x.first() == Some(&u32::MAX);
-            let last_is_guard = axis == 0 && x.last() == Some(&last);
-            let inner = usize::from(first_is_guard)..x.len() - usize::from(last_is_guard);
-            vertices(
-                &edges,
-                &self.field,
-                &x[inner.clone()],
-                &mut positions[inner.clone()],
-                normals.as_deref_mut().map(|normals| &mut normals[inner.clone()]),
-                odd,
-            );
-            odd.iter_mut().for_each(|n| *n += inner.start);
-            odd.extend((0..inner.start).chain(inner.end..x.len()));
-        } else {
-            odd.extend(0..x.len());
+        match &self.samples {
+            Some(samples) => vertices(samples, &self.field, edges, normals, out),
+            None => out.odd = u32::MAX >> (32 - edges.len()),
         }
-        for &n in &*odd {
-            // The guard before the first sample keeps its wrapped number.
-            let x = if x[n] == u32::MAX { usize::MAX } else { x[n] as usize };
-            let cut = self.cut(axis, [x, y, z]);
-            positions[n] = self.position(&cut);
-            if let Some(normals) = &mut normals {
-                normals[n] = self.normal(&cut);
+        let mut odd = out.odd;
+        while odd != 0 {
+            let n = odd.trailing_zeros() as usize;
+            odd &= odd - 1;
+            let (axis, low) = edges.get(n);
+            let cut = self.cut(axis, low);
+            out.positions[n] = self.position(&cut);
+            if normals == Normals::Gradient {
+                out.normals[n] = self.normal(&cut);
             }
         }
     }
 
-    /// The rows around the edges along `axis` that start in a row of samples, unless one of the rows is a
-    /// guard or does not lie in one piece.
-    fn edges_of_row(&self, axis: usize, [y, z]: [usize; 2]) -> Option<EdgesOfRow<'a, T>> {
-        let (to_y, to_z) = (usize::from(axis == 1), usize::from(axis == 2));
-        let high = [y.wrapping_add(to_y), z.wrapping_add(to_z)];
-        let place = [y as f64, z as f64];
-        Some(EdgesOfRow { axis, low: self.beside([y, z])?, high: self.beside(high)?, place })
-    }
-
-    fn beside(&self, [y, z]: [usize; 2]) -> Option<Beside<'a, T>> {
-        let [_, ny, nz] = self.view.dims();
-        if y >= ny || z >= nz {
-            return None;
-        }
-        let row = |y: usize, z: usize| match self.view.row(y, z) {
-            Row::Contiguous(row) => Some(row),
-            Row::Strided { .. } => None,
-        };
-        let around = |i: usize, n: usize| [i.saturating_sub(1), (i + 1).min(n - 1)];
-        let factor = |[below, above]: [usize; 2]| if above - below == 2 { 0.5 } else { 1.0 };
-        let (ys, zs) = (around(y, ny), around(z, nz));
-        Some(Beside {
-            row: row(y, z)?,
-            y: [row(ys[0], z)?, row(ys[1], z)?],
-            z: [row(y, zs[0])?, row(y, zs[1])?],
-            factors: [factor(ys), factor(zs)],
-        })
-    }
-
     /// The cut of the edge along `axis` whose lower end is the sample `low`, or the guard before the
-    /// first, whose index is one below 0 and wraps.
-    fn cut(&self, axis: usize, low: [usize; 3]) -> Cut {
+    /// first, whose number is one below 0 and wraps.
+    fn cut(&self, axis: usize, low: [u32; 3]) -> Cut {
+        // The guard stays beyond every size, and one above it is 0.
+        let low = low.map(|i| i as i32 as isize as usize);
         let mut high = low;
         high[axis] = high[axis].wrapping_add(1);
         let size = self.view.dims()[axis];
@@ -287,7 +236,7 @@ mod tests {
             (0..3).map(|k| xyz[k] * slope[k]).sum::<f64>()
         };
         let volume = Volume::new(grid, (0..64).map(value).collect::<Vec<f64>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0, value(0).midpoint(value(1)), 0.0);
+        let placement = Placement::new(volume.view(), value(0).midpoint(value(1)), 0.0);
         let cut = placement.cut(0, [0, 0, 0]);
         let length = slope.iter().map(|c| c * c).sum::<f64>().sqrt();
         for (found, part) in placement.normal(&cut).into_iter().zip(slope) {
@@ -312,7 +261,7 @@ mod tests {
         let grid = Grid::new([4, 4, 4], Frame::default()).unwrap();
         let checker = |n: usize| if (n + n / 4 + n / 16) % 2 == 1 { -1.0 } else { 1.0 };
         let volume = Volume::new(grid, (0..64).map(checker).collect::<Vec<f32>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0, 0.0, 0.0);
+        let placement = Placement::new(volume.view(), 0.0, 0.0);
         assert_eq!(placement.normal(&placement.cut(1, [1, 1, 1])), [0.0, -1.0, 0.0]);
         assert_eq!(placement.normal(&placement.cut(1, [2, 1, 1])), [0.0, 1.0, 0.0]);
     }

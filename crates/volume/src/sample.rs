@@ -6,9 +6,7 @@ use isokit_lanes::Lane;
 use std::fmt::{Debug, Display};
 
 /// A type of sample: `u8 i8 u16 i16 u32 i32 f32 f64`, and no other.
-pub trait Sample:
-    Lane + Into<f64> + Pod + Debug + Display + Send + Sync + 'static + sealed::Sealed
-{
+pub trait Sample: Lane + Pod + Debug + Display + Send + Sync + 'static + sealed::Sealed {
     /// The same type, as a value.
     const DTYPE: Dtype;
 
