@@ -16,6 +16,41 @@ mod tests;
 use crate::{Lane, Level, Samples};
 use load::{Load, Plain};
 
+/// An array by an expression of the lane's number. A macro, so that it always becomes part of the
+/// function that the level's instructions are enabled for; closures do not.
+macro_rules! each {
+    ($n:ident => $lane:expr) => {{
+        let mut lanes = [Default::default(); BATCH];
+        let mut $n = 0;
+        while $n < BATCH {
+            lanes[$n] = $lane;
+            $n += 1;
+        }
+        lanes
+    }};
+}
+use each;
+
+/// The same for the three axes, written out so that each is a constant.
+macro_rules! each_axis {
+    ($axis:ident => $part:expr) => {
+        [
+            {
+                let $axis = 0;
+                $part
+            },
+            {
+                let $axis = 1;
+                $part
+            },
+            {
+                let $axis = 2;
+                $part
+            },
+        ]
+    };
+}
+
 /// Edges per batch: two registers of f64 at the widest.
 pub const BATCH: usize = 16;
 
@@ -71,7 +106,7 @@ impl Field {
     /// The place in world space of a point of index space.
     #[inline(always)]
     pub fn world(&self, ijk: [f64; 3]) -> [f64; 3] {
-        each_axis(|k| {
+        each_axis!(k => {
             let along = |axis: usize| self.columns[axis][k] * ijk[axis];
             along(0) + (along(1) + (along(2) + self.origin[k]))
         })
@@ -80,7 +115,7 @@ impl Field {
     /// The gradient in world space of a gradient in index space.
     #[inline(always)]
     pub fn world_gradient(&self, gradient: [f64; 3]) -> [f64; 3] {
-        each_axis(|k| {
+        each_axis!(k => {
             let along = |axis: usize| self.covectors[axis][k] * gradient[axis];
             along(0) + along(1) + along(2)
         })
@@ -214,28 +249,6 @@ struct Batch<'b, 'a, T> {
 /// One number for each edge.
 type Lanes<N = f64> = [N; BATCH];
 
-/// A plain loop, which always becomes part of the caller, unlike the functions on arrays in `std`.
-#[inline(always)]
-fn each<N: Copy + Default>(mut f: impl FnMut(usize) -> N) -> Lanes<N> {
-    let mut lanes = [N::default(); BATCH];
-    let mut n = 0;
-    while n < BATCH {
-        lanes[n] = f(n);
-        n += 1;
-    }
-    lanes
-}
-
-/// The same for the three axes.
-#[inline(always)]
-fn each_axis<N: Copy + Default>(mut f: impl FnMut(usize) -> N) -> [N; 3] {
-    let mut axes = [N::default(); 3];
-    for (axis, part) in axes.iter_mut().enumerate() {
-        *part = f(axis);
-    }
-    axes
-}
-
 /// An end of every edge: its number among the samples, and its place along x, y, z.
 struct Ends {
     number: Lanes<i64>,
@@ -263,18 +276,18 @@ impl<T: Lane> Batch<'_, '_, T> {
         let value = |ends: &Ends| {
             // SAFETY: both ends of every edge are lattice points, as `ends` makes them.
             let stored = unsafe { load.load(self.samples, &ends.number) };
-            each(|n| (stored[n] * slope + intercept) - iso)
+            each!(n => (stored[n] * slope + intercept) - iso)
         };
         let (a, b) = (value(&low), value(&high));
-        let difference = each(|n| a[n] - b[n]);
+        let difference = each!(n => a[n] - b[n]);
         // Not `clamp`, which asks after NaN; those are odd.
-        let delta = each(|n| ((a[n] + b[n]) / difference[n] * 0.5).max(-reach).min(reach));
+        let delta = each!(n => ((a[n] + b[n]) / difference[n] * 0.5).max(-reach).min(reach));
         for n in 0..BATCH {
             is_odd[n] |= !difference[n].is_finite();
         }
         self.write_positions(&delta, &mut out.positions);
         if self.normals == Normals::Gradient {
-            let share = each(|n| 0.5 + delta[n]);
+            let share = each!(n => 0.5 + delta[n]);
             let gradients = [self.gradients(load, &low), self.gradients(load, &high)];
             self.write_normals(gradients, share, &mut is_odd, &mut out.normals);
         }
@@ -294,13 +307,12 @@ impl<T: Lane> Batch<'_, '_, T> {
             low[along][n] >= dims[along]
                 || low[along][n].wrapping_add(step(n, along)) >= dims[along]
         };
-        let is_odd = each(|n| outside(n, 0) | outside(n, 1) | outside(n, 2));
+        let is_odd = each!(n => outside(n, 0) | outside(n, 1) | outside(n, 2));
         let low: [Lanes<u32>; 3] =
-            each_axis(|along| each(|n| if is_odd[n] { 0 } else { low[along][n] }));
-        let high: [Lanes<u32>; 3] =
-            each_axis(|along| each(|n| if is_odd[n] { 0 } else { low[along][n] + step(n, along) }));
+            each_axis!(along => each!(n => if is_odd[n] { 0 } else { low[along][n] }));
+        let high: [Lanes<u32>; 3] = each_axis!(along => each!(n => if is_odd[n] { 0 } else { low[along][n] + step(n, along) }));
         let number = |place: &[Lanes<u32>; 3]| {
-            each(|n| {
+            each!(n => {
                 let along = |axis: usize| i64::from(place[axis][n]) * strides[axis];
                 self.samples.first() + along(0) + along(1) + along(2)
             })
@@ -312,8 +324,8 @@ impl<T: Lane> Batch<'_, '_, T> {
     #[inline(always)]
     fn write_positions<C: Coordinate>(&self, delta: &Lanes, out: &mut [[C; 3]; BATCH]) {
         let Edges { axis, low, .. } = self.edges;
-        let ijk: [Lanes; 3] = each_axis(|along| {
-            each(|n| {
+        let ijk: [Lanes; 3] = each_axis!(along => {
+            each!(n => {
                 let place = f64::from(low[along][n]);
                 if axis[n] == along as u32 { place + 0.5 + delta[n] } else { place }
             })
@@ -323,7 +335,7 @@ impl<T: Lane> Batch<'_, '_, T> {
             let place = self.field.world([ijk[0][n], ijk[1][n], ijk[2][n]]);
             [world[0][n], world[1][n], world[2][n]] = place;
         }
-        let world = each_axis(|k| each(|n| C::round(world[k][n])));
+        let world = each_axis!(k => each!(n => C::round(world[k][n])));
         for (n, place) in out.iter_mut().enumerate() {
             *place = [world[0][n], world[1][n], world[2][n]];
         }
@@ -333,18 +345,18 @@ impl<T: Lane> Batch<'_, '_, T> {
     #[inline(always)]
     fn gradients(&self, load: impl Load, ends: &Ends) -> [Lanes; 3] {
         let (dims, strides) = (self.samples.dims(), self.samples.strides());
-        each_axis(|along| {
+        each_axis!(along => {
             let (place, last) = (&ends.place[along], dims[along] - 1);
-            let below: Lanes<i64> = each(|n| if place[n] > 0 { strides[along] } else { 0 });
-            let above: Lanes<i64> = each(|n| if place[n] < last { strides[along] } else { 0 });
-            let factor = each(|n| if place[n] > 0 && place[n] < last { 0.5 } else { 1.0 });
+            let below: Lanes<i64> = each!(n => if place[n] > 0 { strides[along] } else { 0 });
+            let above: Lanes<i64> = each!(n => if place[n] < last { strides[along] } else { 0 });
+            let factor = each!(n => if place[n] > 0 && place[n] < last { 0.5 } else { 1.0 });
             let (below, above) =
-                (each(|n| ends.number[n] - below[n]), each(|n| ends.number[n] + above[n]));
+                (each!(n => ends.number[n] - below[n]), each!(n => ends.number[n] + above[n]));
             // SAFETY: an end is a lattice point; one step down is too unless its place is 0, and one
             // step up unless its place is the last, and then no step is made.
             let [lower, upper] =
                 unsafe { [load.load(self.samples, &below), load.load(self.samples, &above)] };
-            each(|n| (upper[n] - lower[n]) * factor[n] * self.field.slope)
+            each!(n => (upper[n] - lower[n]) * factor[n] * self.field.slope)
         })
     }
 
@@ -356,19 +368,18 @@ impl<T: Lane> Batch<'_, '_, T> {
         is_odd: &mut Lanes<bool>,
         out: &mut [[f32; 3]; BATCH],
     ) {
-        let gradient: [Lanes; 3] =
-            each_axis(|axis| each(|n| low[axis][n] * (1.0 - share[n]) + high[axis][n] * share[n]));
+        let gradient: [Lanes; 3] = each_axis!(axis => each!(n => low[axis][n] * (1.0 - share[n]) + high[axis][n] * share[n]));
         let mut world = [[0.0; BATCH]; 3];
         for n in 0..BATCH {
             let g = self.field.world_gradient([gradient[0][n], gradient[1][n], gradient[2][n]]);
             [world[0][n], world[1][n], world[2][n]] = g;
         }
-        let greatest = each(|n| world[0][n].abs().max(world[1][n].abs()).max(world[2][n].abs()));
-        let outward = each(|n| {
+        let greatest = each!(n => world[0][n].abs().max(world[1][n].abs()).max(world[2][n].abs()));
+        let outward = each!(n => {
             let [a, b, c] = [world[0][n], world[1][n], world[2][n]];
             -1.0 / (a * a + b * b + c * c).sqrt()
         });
-        let normal = each_axis(|k| each(|n| (world[k][n] * outward[n]) as f32));
+        let normal = each_axis!(k => each!(n => (world[k][n] * outward[n]) as f32));
         for n in 0..BATCH {
             // A NaN among the parts may hide behind the maximum of the others, not behind a sum.
             let sum = low[0][n] + low[1][n] + low[2][n] + high[0][n] + high[1][n] + high[2][n];
