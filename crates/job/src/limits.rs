@@ -46,6 +46,38 @@ impl Limits {
         }
     }
 
+    /// Fails if `items` of `item_bytes` each are not allowed, or if the system has not so much memory.
+    /// Nothing is kept.
+    ///
+    /// # Errors
+    ///
+    /// [`OverLimit`] then.
+    pub fn probe(
+        &self,
+        what: &'static str,
+        items: Option<u64>,
+        item_bytes: usize,
+    ) -> Result<usize, OverLimit> {
+        let count = self.allow(what, items, item_bytes)?;
+        let needed = count * item_bytes;
+        let over = |_| OverLimit { what, needed: needed as u64, limit: self.bytes };
+        Vec::<u8>::new().try_reserve_exact(needed).map_err(over)?;
+        Ok(count)
+    }
+
+    /// A vector of `items` zeros. Its memory comes from the system when it is first written.
+    ///
+    /// # Errors
+    ///
+    /// As [`vec`](Self::vec).
+    pub fn zeroed<T: Copy + Default>(
+        &self,
+        what: &'static str,
+        items: Option<u64>,
+    ) -> Result<Vec<T>, OverLimit> {
+        Ok(vec![T::default(); self.probe(what, items, size_of::<T>())?])
+    }
+
     /// An empty vector with room for exactly `items`, if that is allowed and there is memory.
     ///
     /// # Errors

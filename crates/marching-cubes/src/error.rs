@@ -1,0 +1,56 @@
+//! Why there is no surface. An empty surface is a result, not an error.
+
+use isokit_job::{Cancelled, OverLimit, Stopped};
+use std::convert::Infallible;
+
+/// Why there is no surface. `E` is the sink's own error.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExtractError<E = Infallible> {
+    /// The caller's fault.
+    #[error("the isovalue is {0}, which is no finite number")]
+    Iso(f64),
+
+    /// The data's fault, where the caller chose [`Nan::Error`](crate::Nan::Error).
+    #[error(
+        "{count} of the samples are NaN, the first at [{}, {}, {}]", first[0], first[1], first[2]
+    )]
+    Nan {
+        /// How many.
+        count: u64,
+        /// The first in storage order, x fastest.
+        first: [usize; 3],
+    },
+
+    /// Our limit: triangles name their vertices in 32 bits.
+    #[error(
+        "the surface has {vertices} vertices and {triangles} triangles, more than 32 bits can \
+         number: extract it in parts"
+    )]
+    TooLarge {
+        /// Vertices of the whole surface.
+        vertices: u64,
+        /// Triangles of the whole surface.
+        triangles: u64,
+    },
+
+    /// The caller's choice: cancelled, or more memory than allowed.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+
+    /// The sink has no room.
+    #[error(transparent)]
+    Sink(E),
+}
+
+impl<E> From<Cancelled> for ExtractError<E> {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Stopped(cancelled.into())
+    }
+}
+
+impl<E> From<OverLimit> for ExtractError<E> {
+    fn from(over: OverLimit) -> Self {
+        Self::Stopped(over.into())
+    }
+}

@@ -1,0 +1,275 @@
+//! Where an edge is crossed, and the normal there.
+//!
+//! With α and β the values at the two ends less the isovalue, linear interpolation crosses the edge at
+//! δ = ((α + β) / 2) / (α − β) from its middle, in edge lengths. Seen from the other end the same numbers
+//! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
+//! Everything is f64 until the position is whole; then it is rounded once.
+
+use isokit_geom::Affine;
+use isokit_volume::{Sample, View, gradient};
+
+/// A type of coordinate in the output.
+pub(crate) trait Coordinate: Copy + Send {
+    fn round(value: f64) -> Self;
+}
+
+impl Coordinate for f32 {
+    #[inline(always)]
+    fn round(value: f64) -> Self {
+        value as f32
+    }
+}
+
+impl Coordinate for f64 {
+    #[inline(always)]
+    fn round(value: f64) -> Self {
+        value
+    }
+}
+
+/// A cut edge of the lattice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cut {
+    axis: usize,
+    /// The lower end in index space; a guard's index may be −1.
+    low: [f64; 3],
+    /// The samples at the lower and the upper end; none where a guard is.
+    ends: [Option<[usize; 3]>; 2],
+    values: [Option<f64>; 2],
+    /// The crossing, in edge lengths from the middle of the edge.
+    delta: f64,
+}
+
+/// Everything beside the edge that a vertex depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement<'a, T> {
+    view: View<'a, T>,
+    guard: usize,
+    iso: f64,
+    reach: f64,
+    columns: [[f64; 3]; 3],
+    origin: [f64; 3],
+    covectors: [[f64; 3]; 3],
+}
+
+impl<'a, T: Sample> Placement<'a, T> {
+    /// `guard` is the lattice index of the first sample, `margin` the least distance that a vertex
+    /// keeps from both ends of its edge, in edge lengths.
+    pub(crate) fn new(view: View<'a, T>, guard: usize, iso: f64, margin: f64) -> Self {
+        let affine: Affine = view.frame().index_to_world;
+        Self {
+            view,
+            guard,
+            iso,
+            reach: 0.5 - margin,
+            columns: affine.columns(),
+            origin: affine.origin(),
+            covectors: affine.covector_columns(),
+        }
+    }
+
+    /// The cut of the edge along `axis` whose lower end is `point` of the lattice.
+    #[inline(always)]
+    pub(crate) fn cut(&self, axis: usize, point: [usize; 3]) -> Cut {
+        let low = point.map(|p| p as f64 - self.guard as f64);
+        let sample = point.map(|p| p.wrapping_sub(self.guard));
+        let mut above = sample;
+        above[axis] = above[axis].wrapping_add(1);
+        let size = self.view.dims()[axis];
+        let ends = [sample, above].map(|ijk| (ijk[axis] < size).then_some(ijk));
+        let values = ends.map(|end| end.map(|ijk| self.view.value(ijk)));
+        let delta = delta(values, self.iso).clamp(-self.reach, self.reach);
+        Cut { axis, low, ends, values, delta }
+    }
+
+    /// The position of a cut in world space.
+    #[inline(always)]
+    pub(crate) fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
+        let mut ijk = cut.low;
+        ijk[cut.axis] += 0.5;
+        ijk[cut.axis] += cut.delta;
+        std::array::from_fn(|k| {
+            let along = |axis: usize| self.columns[axis][k] * ijk[axis];
+            C::round(along(0) + (along(1) + (along(2) + self.origin[k])))
+        })
+    }
+
+    /// The unit normal at a cut: against the gradient, which is interpolated between the ends.
+    ///
+    /// Where the samples tell no gradient, at a guard or where all differences cancel, the value is still
+    /// known to fall along the edge, and that direction stands in.
+    #[inline(always)]
+    pub(crate) fn normal(&self, cut: &Cut) -> [f32; 3] {
+        let found = self.outward(self.gradient(cut));
+        found.unwrap_or_else(|| {
+            let mut along = [0.0; 3];
+            let falls = cut.values[0].is_some_and(|low| low >= self.iso);
+            along[cut.axis] = if falls { -1.0 } else { 1.0 };
+            // An axis has a direction, since the frame can be inverted.
+            self.outward(along).unwrap_or([0.0, 0.0, 1.0])
+        })
+    }
+
+    #[inline(always)]
+    fn gradient(&self, cut: &Cut) -> [f64; 3] {
+        let [Some(low), Some(high)] = cut.ends else { return [0.0; 3] };
+        let share = match cut.values.map(|value| value.is_some_and(f64::is_finite)) {
+            [true, false] => 0.0,
+            [false, true] => 1.0,
+            _ => 0.5 + cut.delta,
+        };
+        let (low, high) = (gradient(&self.view, low), gradient(&self.view, high));
+        std::array::from_fn(|axis| low[axis] * (1.0 - share) + high[axis] * share)
+    }
+
+    /// The direction in world space against a gradient in index space. None for a gradient of zero.
+    #[inline(always)]
+    fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
+        let steepest = greatest(gradient);
+        // Divided by its greatest part first, so that no square overflows or vanishes.
+        let inward = gradient.map(|part| part / steepest);
+        let world: [f64; 3] = std::array::from_fn(|k| {
+            let along = |axis: usize| self.covectors[axis][k] * inward[axis];
+            along(0) + along(1) + along(2)
+        });
+        let longest = greatest(world);
+        if !(steepest > 0.0 && longest > 0.0) {
+            return None;
+        }
+        let world = world.map(|part| part / longest);
+        let length = (world[0] * world[0] + world[1] * world[1] + world[2] * world[2]).sqrt();
+        Some(world.map(|part| (-part / length) as f32))
+    }
+}
+
+/// The crossing between two values, in edge lengths from the middle of the edge, from −½ to ½.
+///
+/// Next to a guard it is at the sample, next to a value that is not finite at the finite one, between two
+/// that are not in the middle.
+#[inline(always)]
+fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
+    match values {
+        [Some(low), Some(high)] if low.is_finite() && high.is_finite() => {
+            let (a, b) = (low - iso, high - iso);
+            // Only f64 values near the greatest overflow; a quarter of them does not.
+            let (a, b) = match (a - b).is_finite() {
+                true => (a, b),
+                false => (low * 0.25 - iso * 0.25, high * 0.25 - iso * 0.25),
+            };
+            // Halved last: half of the least value there is would be lost.
+            (a + b) / (a - b) * 0.5
+        }
+        [Some(low), Some(high)] if low.is_finite() || high.is_finite() => {
+            if low.is_finite() {
+                -0.5
+            } else {
+                0.5
+            }
+        }
+        [Some(_), Some(_)] => 0.0,
+        [None, _] => 0.5,
+        [_, None] => -0.5,
+    }
+}
+
+#[inline(always)]
+fn greatest(v: [f64; 3]) -> f64 {
+    v[0].abs().max(v[1].abs()).max(v[2].abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Placement, delta};
+    use isokit_geom::{Affine, Frame};
+    use isokit_volume::{Grid, Volume};
+    use proptest::prelude::*;
+
+    fn check(a: f64, b: f64, iso: f64) {
+        let (low, high) = if a >= b { (b, a) } else { (a, b) };
+        if !(low < iso && high >= iso) {
+            return;
+        }
+        let there = delta([Some(a), Some(b)], iso);
+        let back = delta([Some(b), Some(a)], iso);
+        assert!(there.abs() <= 0.5, "{a:e}, {b:e}, {iso:e}: {there}");
+        assert_eq!(there.to_bits(), (-back).to_bits(), "{a:e}, {b:e}, {iso:e}");
+    }
+
+    proptest! {
+        #[test]
+        fn a_crossing_is_on_its_edge_and_the_same_from_both_ends(
+            bits in any::<[u64; 3]>(), near in -3_i64..=3
+        ) {
+            let [a, b, iso] = bits.map(f64::from_bits);
+            let [a32, b32, iso32] = bits.map(|bits| f64::from(f32::from_bits(bits as u32)));
+            if a.is_finite() && b.is_finite() && iso.is_finite() {
+                check(a, b, a / 2.0 + b / 2.0);
+                check(a, b, iso);
+                check(a, f64::from_bits(a.to_bits().wrapping_add_signed(near)), a);
+            }
+            if a32.is_finite() && b32.is_finite() && iso32.is_finite() {
+                check(a32, b32, iso32);
+                check(a32, b32, (a32 + b32) / 2.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_greatest_and_the_least_values_are_crossed_where_they_should_be() {
+        assert_eq!(delta([Some(-f64::MAX), Some(f64::MAX)], 0.0), 0.0);
+        let half = f64::from_bits(0x7FE0_0000_0000_0000); // of what overflows
+        assert_eq!(delta([Some(half), Some(-half)], -half / 2.0), 0.25);
+        let tiny = f64::from_bits(1);
+        assert_eq!(delta([Some(0.0), Some(3.0 * tiny)], tiny), -1.0 / 6.0);
+        assert_eq!(delta([Some(1.0), Some(3.0)], 3.0), 0.5);
+    }
+
+    #[test]
+    fn what_is_not_finite_leaves_the_crossing_to_the_other_end() {
+        let (inf, nan) = (f64::INFINITY, f64::NAN);
+        assert_eq!(delta([Some(1.0), Some(nan)], 0.0), -0.5);
+        assert_eq!(delta([Some(inf), Some(-1.0)], 0.0), 0.5);
+        assert_eq!(delta([Some(inf), Some(nan)], 0.0), 0.0);
+        assert_eq!(delta([Some(inf), None], 0.0), -0.5);
+        assert_eq!(delta([None, Some(1.0)], 0.0), 0.5);
+    }
+
+    fn plane_normals(affine: Affine, slope: [f64; 3]) {
+        // A linear field in world space: its normal is −slope, whatever the frame.
+        let frame = Frame { index_to_world: affine, ..Frame::default() };
+        let grid = Grid::new([4, 4, 4], frame).unwrap();
+        let value = |n: usize| {
+            let xyz = affine.point([n % 4, n / 4 % 4, n / 16].map(|i| i as f64));
+            (0..3).map(|k| xyz[k] * slope[k]).sum::<f64>()
+        };
+        let volume = Volume::new(grid, (0..64).map(value).collect::<Vec<f64>>()).unwrap();
+        let placement = Placement::new(volume.view(), 0, value(0).midpoint(value(1)), 0.0);
+        let cut = placement.cut(0, [0, 0, 0]);
+        let length = slope.iter().map(|c| c * c).sum::<f64>().sqrt();
+        for (found, part) in placement.normal(&cut).into_iter().zip(slope) {
+            assert!((f64::from(found) + part / length).abs() < 1e-6, "{found}, {part}");
+        }
+    }
+
+    #[test]
+    fn normals_are_covectors_in_sheared_stretched_and_mirrored_frames() {
+        let slope = [1.0, -2.0, 0.5];
+        let shear = [[0.5, 0.0, 0.0], [0.2, 0.7, 0.0], [0.1, -0.9, 2.5]];
+        plane_normals(Affine::new(shear, [0.0; 3]).unwrap(), slope);
+        plane_normals(Affine::axis_aligned([1.0, 3.0, -9.0], [5.0; 3]).unwrap(), slope);
+        plane_normals(
+            Affine::axis_aligned([1e-12, 1.0, 1e6], [0.0; 3]).unwrap(),
+            [1e12, 1.0, 1e-6],
+        );
+    }
+
+    #[test]
+    fn where_all_differences_cancel_the_normal_follows_the_edge() {
+        let grid = Grid::new([4, 4, 4], Frame::default()).unwrap();
+        let checker = |n: usize| if (n + n / 4 + n / 16) % 2 == 1 { -1.0 } else { 1.0 };
+        let volume = Volume::new(grid, (0..64).map(checker).collect::<Vec<f32>>()).unwrap();
+        let placement = Placement::new(volume.view(), 0, 0.0, 0.0);
+        assert_eq!(placement.normal(&placement.cut(1, [1, 1, 1])), [0.0, -1.0, 0.0]);
+        assert_eq!(placement.normal(&placement.cut(1, [2, 1, 1])), [0.0, 1.0, 0.0]);
+    }
+}

@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Extracts random volumes full of ties and asks whether every surface is closed.
+
+Small integers around the isovalue put samples exactly on it all the time, which is where
+extractors leave holes, edges of four faces and triangles without area. Each volume is 7 samples
+wide and holds random integers from -3 to 3; the isovalue is 0. The written PLY is looked at with
+trimesh, as stored and again after merging equal positions; the counters of isokit's own report
+must be zero as well.
+"""
+
+import argparse
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from kit.program import Failed, Isokit
+from kit.surface import faces_per_edge, parts_of
+from kit.tally import Tally
+
+COUNTERS = ("boundary_edges", "nonmanifold_edges", "degenerate_triangles")
+
+
+def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:
+    """Everything that is wrong with the surface of one volume."""
+    volume = folder / f"{seed}.npy"
+    np.save(volume, np.random.default_rng(seed).integers(-3, 4, (7, 7, 7), dtype=np.int8))
+    try:
+        report = isokit.extract(volume, folder / f"{seed}.ply", "--iso", "0", "--threads", "1")
+    except Failed as failure:
+        return [str(failure)]
+    surface = report["surfaces"][0]
+    faults = [f"report: {key} {surface[key]}" for key in COUNTERS if surface[key] != 0]
+    (part,) = parts_of(folder / f"{seed}.ply")
+    if len(part.mesh.faces) != surface["triangles"]:
+        faults.append(f"{len(part.mesh.faces)} triangles of {surface['triangles']}")
+    faults += mesh_faults(part.mesh, "as stored")
+    part.mesh.merge_vertices()
+    return faults + mesh_faults(part.mesh, "merged")
+
+
+def mesh_faults(mesh, state: str) -> list[str]:
+    """What trimesh finds wrong with a mesh."""
+    shared = faces_per_edge(mesh.faces)
+    flat = int((mesh.area_faces <= 0).sum())
+    claims = {
+        "not watertight": not mesh.is_watertight,
+        "winding differs": not mesh.is_winding_consistent,
+        f"{(shared != 2).sum()} edges without exactly two faces": (shared != 2).any(),
+        f"{flat} triangles without area": flat > 0,
+        f"volume {mesh.volume}": mesh.volume <= 0,
+    }
+    return [f"{state}: {claim}" for claim, wrong in claims.items() if wrong]
+
+
+def main() -> int:
+    """Tries the seeds from 0 on."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("isokit", type=Path, help="the program to try")
+    parser.add_argument("--count", type=int, default=1000, help="volumes; default: 1000")
+    arguments = parser.parse_args()
+    tally = Tally("check_ties", quiet=True)
+    with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(2) as processes:
+        try_seed = partial(faults_of, Isokit(arguments.isokit), Path(folder))
+        for seed, faults in enumerate(processes.map(try_seed, range(arguments.count))):
+            tally.check(f"seed {seed}", "closed, manifold, no flat triangle", not faults, faults)
+    return tally.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,353 @@
+#!/usr/bin/env python3
+"""Shows that the check scripts can fail: each is given sound and spoilt input.
+
+A check that passes whatever it is given proves nothing, so every claim that a check script makes
+about a mesh is made here about a mesh of which it is false.
+"""
+
+import argparse
+import copy
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+import check_data
+from check_mesh import check_file
+from check_ties import mesh_faults
+from kit.manifest import Facts
+from kit.program import PROJECT, Failed
+from kit.surface import Y_UP, euler
+from kit.tally import Record, Tally
+from kit.units import file_unit
+
+UNIT = "mm"
+FORMATS = (".glb", ".obj", ".ply", ".stl")
+COLOURS = {"skin": "#d8a58080", "bone": "#e8dcc0ff"}
+OPEN = {"trimesh: watertight", "manifold3d: NoError", "MeshLab: no boundary edges"}
+
+
+def sphere() -> trimesh.Trimesh:
+    """A closed surface away from the origin, longer in each axis than in the one before."""
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=10)
+    return mesh.apply_scale((1.0, 1.5, 2.0)).apply_translation((20, 5, -3))
+
+
+def faces_changed(faces: np.ndarray) -> trimesh.Trimesh:
+    """The sphere with other triangles."""
+    return trimesh.Trimesh(sphere().vertices, faces, process=False)
+
+
+def holed() -> trimesh.Trimesh:
+    """Without its last face."""
+    return faces_changed(sphere().faces[:-1])
+
+
+def one_flipped() -> trimesh.Trimesh:
+    """One face wound the other way."""
+    faces = sphere().faces.copy()
+    faces[0] = faces[0, ::-1]
+    return faces_changed(faces)
+
+
+def inside_out() -> trimesh.Trimesh:
+    """All faces wound the other way."""
+    return faces_changed(sphere().faces[:, ::-1])
+
+
+def split() -> trimesh.Trimesh:
+    """Every vertex written once per face."""
+    mesh = sphere()
+    mesh.unmerge_vertices()
+    return mesh
+
+
+def finned() -> trimesh.Trimesh:
+    """A third face on one edge."""
+    mesh = sphere()
+    a, b, _ = mesh.faces[0]
+    points = np.vstack([mesh.vertices, [[90, 90, 90]]])
+    faces = np.vstack([mesh.faces, [[a, b, len(points) - 1]]])
+    return trimesh.Trimesh(points, faces, process=False)
+
+
+def not_a_number() -> trimesh.Trimesh:
+    """One coordinate is NaN."""
+    mesh = sphere()
+    points = mesh.vertices.copy()
+    points[7, 1] = np.nan
+    return trimesh.Trimesh(points, mesh.faces, process=False)
+
+
+SPOILT = {
+    holed: OPEN,
+    one_flipped: {"trimesh: winding is consistent", "manifold3d: NoError"},
+    inside_out: {"trimesh: volume > 0"},
+    split: OPEN,
+    finned: {*OPEN, "MeshLab: two-manifold"},
+    not_a_number: {"trimesh: finite", "trimesh: volume > 0", "manifold3d: NoError"},
+}
+"""What must fail for each; other checks may."""
+
+
+def write(path: Path, mesh: trimesh.Trimesh, y_up: bool = True, unit: str = UNIT) -> Path:
+    """Writes a mesh of the volume's world as isokit does, or with axes or unit wrong."""
+    mesh = mesh.copy()
+    if y_up and path.suffix in Y_UP:
+        mesh.vertices = mesh.vertices[:, [0, 2, 1]] * (1, 1, -1)
+    mesh.apply_scale(file_unit(path.suffix, unit))
+    normals = {".ply": {"vertex_normal": True}, ".obj": {"include_normals": True}}
+    if path.suffix != ".stl":
+        _ = mesh.vertex_normals  # trimesh writes normals that it has computed
+    mesh.export(path, **normals.get(path.suffix, {}))
+    return path
+
+
+def report_of(meshes: dict[str, trimesh.Trimesh]) -> dict:
+    """The report that isokit would give."""
+    surfaces = [
+        {
+            "name": name,
+            "vertices": len(mesh.vertices),
+            "triangles": len(mesh.faces),
+            "boundary_edges": 0,
+            "area": float(mesh.area),
+            "volume": float(mesh.volume),
+            "bounds": mesh.bounds.tolist(),
+        }
+        for name, mesh in meshes.items()
+    ]
+    return {"schema": "isokit.extract/1", "input": {"unit": UNIT}, "surfaces": surfaces}
+
+
+def failing(path: Path, report: dict | None = None, open_border: bool = False) -> set[str]:
+    """The claims of check_mesh that do not hold for a file."""
+    record = Record()
+    check_file(record, path, open_border, report)
+    return {claim for _, claim, holds, _ in record.claims if not holds}
+
+
+def test_check_mesh(tally: Tally, folder: Path) -> None:
+    """Sound files pass with every reader, spoilt ones fail where they are spoilt."""
+    report = report_of({"ball": sphere()})
+    for suffix in FORMATS:
+        found = failing(write(folder / f"sound{suffix}", sphere()), report)
+        tally.check(f"sound{suffix}", "nothing fails", not found, found)
+    for spoil, expected in SPOILT.items():
+        found = failing(write(folder / f"{spoil.__name__}.ply", spoil()))
+        tally.check(spoil.__name__, "fails where it is spoilt", expected <= found, found)
+    found = failing(folder / "holed.ply", open_border=True)
+    tally.check("holed", "may be open if that is allowed", not found, found)
+    found = failing(folder / "absent.ply")
+    tally.check("absent", "fails to load", "trimesh: loads" in found, found)
+    cut = folder / "cut.stl"
+    cut.write_bytes((folder / "sound.stl").read_bytes()[:-25])
+    found = failing(cut)
+    tally.check("cut", "fails to load", bool(found & {"trimesh: loads", "MeshLab: loads"}), found)
+
+
+def test_report(tally: Tally, folder: Path) -> None:
+    """Every number of the report is compared, and places are compared in the volume's world."""
+    path = write(folder / "reported.ply", sphere())
+    sound = report_of({"ball": sphere()})
+    for key in ("vertices", "triangles", "area", "volume", "bounds"):
+        wrong = copy.deepcopy(sound)
+        value = wrong["surfaces"][0][key]
+        wrong["surfaces"][0][key] = (np.asarray(value) * 1.01 + 1).tolist()
+        found = failing(path, wrong)
+        tally.check(f"wrong {key}", "fails alone", found == {f"report: {key}"}, found)
+    two = report_of({"ball": sphere(), "other": sphere()})
+    found = failing(path, two)
+    tally.check("missing surface", "fails", "report: as many surfaces" in found, found)
+    found = failing(write(folder / "z_up.obj", sphere(), y_up=False), sound)
+    tally.check("z up in OBJ", "fails by place alone", found == {"report: bounds"}, found)
+    found = failing(write(folder / "unscaled.glb", sphere(), unit="m"), sound)
+    places = {f"report: {key}" for key in ("area", "volume", "bounds")}
+    tally.check("millimetres in GLB", "fail by size", found == places, found)
+
+
+def test_ties_and_data(tally: Tally) -> None:
+    """The parts of the other scripts that decide."""
+    flat = sphere()
+    flat.vertices[flat.faces[0, 0]] = flat.vertices[flat.faces[0, 1]]
+    tally.check("check_ties", "a sound mesh has no fault", not mesh_faults(sphere(), ""))
+    for name, mesh in (("hole", holed()), ("flat triangles", flat), ("inside out", inside_out())):
+        tally.check("check_ties", f"sees {name}", bool(mesh_faults(mesh, "")))
+    points = np.random.default_rng(0).normal(0, 50, (500, 3)).astype(np.float32)
+    moved = points.copy()
+    moved[3, 1] = np.nextafter(moved[3, 1], np.float32(1e9))
+    tally.check("check_data", "an ulp is near", check_data.unmatched(moved[::-1], points) == 0)
+    moved[3, 1] += 4 * np.spacing(moved[3, 1])
+    tally.check("check_data", "five are not", check_data.unmatched(moved, points) == 1)
+    moved[3] = moved[4]
+    tally.check("check_data", "one point for two is not", check_data.unmatched(moved, points) > 0)
+    tally.check("check_data", "a sphere has characteristic 2", euler(sphere()) == 2)
+    test_facts(tally)
+
+
+class Spoken:
+    """An isokit that says one thing about every volume."""
+
+    def __init__(self, info: dict | None) -> None:
+        """Says nothing, and fails, for none."""
+        self.info = info
+
+    def json(self, *_arguments: object) -> dict:
+        """What it says."""
+        if self.info is None:
+            raise Failed("exit 1")
+        return self.info
+
+
+def test_facts(tally: Tally) -> None:
+    """Facts about a volume are compared one by one."""
+    facts = Facts("some.nii", (4, 5, 6), "i16", (-10, 300), (1.0, 1.0, 2.5))
+    sound = {"dims": [4, 5, 6], "dtype": "i16", "range": [-10, 300], "spacing": [1, 1, 2.5]}
+    wrong = {"dims": [6, 5, 4], "dtype": "u16", "range": [-9, 300], "spacing": [1, 1, 1]}
+    for spoilt in (None, *wrong):
+        info = sound | ({spoilt: wrong[spoilt]} if spoilt else {})
+        record = Record()
+        check_data.check_facts(record, Spoken(info), Path(), facts)
+        found = {claim for _, claim, holds, _ in record.claims if not holds}
+        expected = {spoilt} if spoilt else set()
+        tally.check("check_data", f"facts with {spoilt} wrong", found == expected, found)
+    record = Record()
+    check_data.check_facts(record, Spoken(None), Path(), facts)
+    tally.check("check_data", "a volume that does not open fails", not record.claims[0][2])
+
+
+def outcome(*command: object) -> tuple[int, str]:
+    """Exit code and failed lines of a script in another interpreter."""
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
+    lines = [line[5:] for line in done.stdout.splitlines() if line.startswith("FAIL ")]
+    return done.returncode, "; ".join(lines) or done.stderr[-300:]
+
+
+def test_blender(tally: Tally, folder: Path) -> None:
+    """Blender agrees about sound files and disagrees about spoilt ones."""
+    script = PROJECT / "scripts/check_blender.py"
+    report = folder / "ball.json"
+    report.write_text(json.dumps(report_of({"ball": sphere()})))
+    sound = [write(folder / f"ball{suffix}", sphere()) for suffix in FORMATS]
+    code, failed = outcome(sys.executable, script, "--report", report, *sound)
+    tally.check("check_blender", "sound files pass", code == 0, failed)
+    spoilt = {
+        "Blender: bounds of the report": write(folder / "turned.obj", sphere(), y_up=False),
+        "Blender: same place": write(folder / "large.glb", sphere(), unit="m"),
+        "Blender: outside is out": write(folder / "inside_out.ply", inside_out()),
+        "Blender: triangles": write(folder / "holed.obj", holed()),
+        "Blender: vertices": write(folder / "split.ply", split()),
+        "Blender: same normals": bent_normals(folder / "bent.ply"),
+    }
+    for claim, path in spoilt.items():
+        code, failed = outcome(sys.executable, script, "--report", report, sound[2], path)
+        tally.check(path.name, f"fails: {claim}", code == 1 and claim in failed, failed)
+    test_materials(tally, folder, script)
+
+
+def bent_normals(path: Path) -> Path:
+    """The sphere with normals that are not its own."""
+    mesh = sphere()
+    bent = trimesh.Trimesh(
+        mesh.vertices, mesh.faces, vertex_normals=mesh.vertex_normals + (0.3, 0, 0), process=False
+    )
+    bent.export(path, vertex_normal=True)
+    return path
+
+
+def test_materials(tally: Tally, folder: Path, script: Path) -> None:
+    """Names, alpha and colour of materials are compared."""
+    meshes = {"skin": sphere(), "bone": sphere().apply_scale(0.5)}
+    report = folder / "two.json"
+    report.write_text(json.dumps(report_of(meshes)))
+    sound = write_two(folder / "two.glb", meshes, COLOURS)
+    wanted = [f"--material={name}:{colour}" for name, colour in COLOURS.items()]
+    code, failed = outcome(sys.executable, script, "--report", report, *wanted, sound)
+    tally.check("two.glb", "sound materials pass", code == 0, failed)
+    for claim, colours in {
+        "Blender: alpha": COLOURS | {"skin": "#d8a580ff"},
+        "Blender: colour": COLOURS | {"bone": "#e80000ff"},
+        "Blender: blended only if translucent": COLOURS | {"skin": "#d8a580ff"},
+    }.items():
+        path = write_two(folder / "spoilt.glb", meshes, colours)
+        code, failed = outcome(sys.executable, script, "--report", report, *wanted, path)
+        tally.check("spoilt.glb", f"fails: {claim}", code == 1 and claim in failed, failed)
+
+
+def write_two(path: Path, meshes: dict[str, trimesh.Trimesh], colours: dict[str, str]) -> Path:
+    """Several surfaces in one GLB, each with its name and its material."""
+    scene = trimesh.Scene()
+    for name, mesh in meshes.items():
+        mesh = mesh.copy()
+        mesh.vertices = mesh.vertices[:, [0, 2, 1]] * (1, 1, -1) * file_unit(".glb", UNIT)
+        mesh.visual = trimesh.visual.TextureVisuals(material=material(name, colours[name]))
+        _ = mesh.vertex_normals
+        scene.add_geometry(mesh, geom_name=name, node_name=name)
+    scene.export(path)
+    return path
+
+
+def material(name: str, colour: str) -> trimesh.visual.material.PBRMaterial:
+    """A glTF material, whose factors are linear, of an sRGB colour."""
+    *encoded, alpha = (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5, 7))
+    linear = [((value + 0.055) / 1.055) ** 2.4 for value in encoded]
+    return trimesh.visual.material.PBRMaterial(
+        name=name,
+        baseColorFactor=np.array([*linear, alpha]),
+        alphaMode="BLEND" if alpha < 1 else "OPAQUE",
+    )
+
+
+def test_validator(tally: Tally, folder: Path) -> None:
+    """A GLB whose bounds are wrong, one that is cut, one that is none, one that only warns."""
+    script = PROJECT / "scripts/validate_gltf.mjs"
+    sound = write(folder / "valid.glb", sphere())
+    data = sound.read_bytes()
+    names = ("lying", "cut", "foreign", "padded")
+    lying, cut, foreign, padded = (folder / f"{name}.glb" for name in names)
+    at = data.index(b'"max":[') + len(b'"max":[')
+    lying.write_bytes(data[:at] + b"9" + data[at + 1 :])
+    cut.write_bytes(data[:-100])
+    foreign.write_text("solid\n")
+    padded.write_bytes(lengthened(data))
+    tally.check("valid.glb", "passes", outcome("node", script, sound)[0] == 0)
+    for path in (lying, cut, foreign, padded):
+        code, failed = outcome("node", script, sound, path)
+        tally.check(path.name, "fails", code == 1 and path.name in failed, failed)
+
+
+def lengthened(data: bytes) -> bytes:
+    """A GLB whose last chunk is longer than the buffer in it: a warning, not an error."""
+    words = np.frombuffer(data, dtype="<u4").copy()
+    binary = 5 + words[3] // 4
+    words[[2, binary]] += 8
+    return words.tobytes() + bytes(8)
+
+
+def main() -> int:
+    """Tries the check scripts."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--importers", action="store_true", help="also the checks with Blender and the validator"
+    )
+    arguments = parser.parse_args()
+    tally = Tally("checks_selftest")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        test_check_mesh(tally, folder)
+        test_report(tally, folder)
+        test_ties_and_data(tally)
+        if arguments.importers:
+            test_blender(tally, folder)
+            test_validator(tally, folder)
+    return tally.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""What the check scripts share. Needs nothing installed unless a module says so."""
