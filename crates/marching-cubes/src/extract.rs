@@ -29,7 +29,7 @@ pub struct Extracted {
 /// # Errors
 ///
 /// If `iso` is not finite, the volume has NaN and the options forbid it, the surface has 2³² vertices or
-/// more, or the job was cancelled or would take more memory than it may.
+/// more, an axis 2³¹ samples or so, or the job was cancelled or would take more memory than it may.
 pub fn extract<T: Sample>(
     view: &View<'_, T>,
     iso: f64,
@@ -102,6 +102,9 @@ impl Plan {
     ) -> Result<Self, ExtractError<E>> {
         if !iso.is_finite() {
             return Err(ExtractError::Iso(iso));
+        }
+        if let Some(axis) = lattice.points.iter().position(|&n| n > i32::MAX as usize) {
+            return Err(ExtractError::TooLong { axis, size: view.dims()[axis] });
         }
         // Classify, count and fill each go through all slices once.
         job.progress.begin("extract", 3 * view.dims()[2] as u64);

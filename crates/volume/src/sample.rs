@@ -3,10 +3,15 @@
 use crate::Dtype;
 use bytemuck::Pod;
 use isokit_lanes::Lane;
-use std::fmt::{Debug, Display};
+use std::{
+    fmt::{Debug, Display},
+    str::FromStr,
+};
 
 /// A type of sample: `u8 i8 u16 i16 u32 i32 f32 f64`, and no other.
-pub trait Sample: Lane + Pod + Debug + Display + Send + Sync + 'static + sealed::Sealed {
+pub trait Sample:
+    Lane + Pod + Debug + Display + FromStr + Send + Sync + 'static + sealed::Sealed
+{
     /// The same type, as a value.
     const DTYPE: Dtype;
 

@@ -1,6 +1,6 @@
 //! Sixteen samples from anywhere, as f64.
 
-use super::{Lanes, each};
+use super::Lanes;
 use crate::{Lane, Samples};
 
 /// How a level loads.

@@ -40,7 +40,8 @@ fn one<T: Lane>(
     let value = |ijk| at(ijk).into() * FIELD.slope + FIELD.intercept;
     let (a, b) = (value(low) - FIELD.iso, value(high) - FIELD.iso);
     // No edge is cut between equal values; if one were, it would have some place on it.
-    let delta = ((a + b) / (a - b) * 0.5).max(-FIELD.reach).min(FIELD.reach);
+    let delta = (a + b) / (a - b) * 0.5;
+    let delta = if delta.is_nan() { -FIELD.reach } else { delta.clamp(-FIELD.reach, FIELD.reach) };
     let mut ijk = low.map(f64::from);
     ijk[axis] = ijk[axis] + 0.5 + delta;
     let gradient = |ijk: [u32; 3]| -> [f64; 3] {
