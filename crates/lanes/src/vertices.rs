@@ -29,7 +29,6 @@ macro_rules! each {
         lanes
     }};
 }
-use each;
 
 /// The same for the three axes, written out so that each is a constant.
 macro_rules! each_axis {
