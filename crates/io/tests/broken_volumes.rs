@@ -7,6 +7,7 @@ use isokit_io::{Endian, ReadFault, VolumeOptions, read_volume};
 use isokit_job::{Job, Limits};
 use isokit_volume::Dtype;
 use kit::{Array, Case, bzip2, cases, gzip};
+use proptest::prelude::*;
 use std::{fs, path::Path};
 
 fn array() -> Array {
@@ -78,6 +79,32 @@ fn a_wrong_byte_anywhere_is_an_error_or_a_volume() {
             }
             fs::write(&changed, bytes).unwrap();
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn bytes_written_over_doubled_and_taken_out_break_nothing(
+        which in any::<prop::sample::Index>(),
+        edits in proptest::collection::vec((0..3, any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let cases: Vec<_> = all_cases().collect();
+        let mut case = which.get(&cases).clone();
+        for (kind, place, byte) in edits {
+            let bytes = &mut case.files[0].1;
+            // Mostly in the header, where it matters.
+            let place = place.index(bytes.len().min(400));
+            match kind {
+                0 => bytes[place] = byte,
+                1 => bytes.insert(place, byte),
+                _ => drop(bytes.remove(place)),
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = case.lay_out(folder.path());
+        survives(&path, &case, &path);
     }
 }
 

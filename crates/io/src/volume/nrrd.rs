@@ -2,7 +2,9 @@
 //!
 //! Header and samples in one file, or samples in others that the header names. Encodings raw, gzip,
 //! bzip2 and text. Fields that say nothing of samples or their place are ignored, as are key/value
-//! pairs. A multi-byte type without `endian` counts as little-endian, absent units as millimetres.
+//! pairs. LAS is reflected into RAS, and a left-handed space into a right-handed one, with a note: a
+//! head keeps its left ear on its left. A multi-byte type without `endian` counts as little-endian,
+//! absent units as millimetres.
 
 mod axes;
 mod header;
