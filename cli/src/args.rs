@@ -11,8 +11,8 @@ mod values;
 mod volume;
 
 pub(crate) use choices::{
-    BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg, ProgressArg, SpaceArg,
-    TopologyArg,
+    BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg, ProgressArg,
+    SpaceArg, TopologyArg,
 };
 pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;

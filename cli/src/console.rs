@@ -44,6 +44,11 @@ impl<'a> Console<'a> {
         Self { out: Mutex::new(out), verbosity, is_json, is_terminal, bar: Mutex::new(None) }
     }
 
+    /// Whether details are said.
+    pub(crate) fn is_verbose(&self) -> bool {
+        self.verbosity == Verbosity::Verbose
+    }
+
     /// A result that is hardly the one that was meant.
     pub(crate) fn warn(&self, message: &str) {
         self.say(&Message::Warning { message });

@@ -38,7 +38,10 @@ pub(crate) enum Fault {
 
 impl Fault {
     pub(crate) fn of(error: &Error) -> Self {
-        error.chain().find_map(known).unwrap_or(Self::Ours("this should not happen; please report it"))
+        error
+            .chain()
+            .find_map(known)
+            .unwrap_or(Self::Ours("this should not happen; please report it"))
     }
 
     /// Whose it is, in words.
@@ -71,7 +74,8 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let stopped = || error.downcast_ref::<Stopped>().map(of_stopped);
     let cancelled = || error.downcast_ref::<isokit::job::Cancelled>().map(|_| Fault::Interrupted);
     let system = || error.downcast_ref().map(of_system);
-    let threads = || error.downcast_ref::<ThreadsError>().map(|_| Fault::System("use fewer --threads"));
+    let threads =
+        || error.downcast_ref::<ThreadsError>().map(|_| Fault::System("use fewer --threads"));
     let found = pipeline.or_else(usage).or_else(read).or_else(write).or_else(stopped);
     found.or_else(cancelled).or_else(threads).or_else(system)
 }
@@ -110,12 +114,16 @@ fn of_extract(error: &ExtractError) -> Fault {
 fn of_read(fault: &ReadFault) -> Fault {
     match fault {
         ReadFault::Io(error) => of_system(error),
-        ReadFault::Broken { .. } | ReadFault::Truncated { .. } => {
-            Fault::File("get or make it again; sound samples are read with --dims, --dtype and --skip")
+        ReadFault::Broken { .. } | ReadFault::Truncated { .. } => Fault::File(
+            "get or make it again; sound samples are read with --dims, --dtype and --skip",
+        ),
+        ReadFault::Unsupported { .. } => {
+            Fault::Ours("convert the file with the program that made it")
         }
-        ReadFault::Unsupported { .. } => Fault::Ours("convert the file with the program that made it"),
         ReadFault::OverLimit(_) => Fault::System("it has not so much memory"),
-        ReadFault::Caller(_) => Fault::Caller("say what the file is; `isokit info --help` shows how"),
+        ReadFault::Caller(_) => {
+            Fault::Caller("say what the file is; `isokit info --help` shows how")
+        }
         ReadFault::Cancelled(_) => Fault::Interrupted,
         _ => Fault::Ours("this should not happen; please report it"),
     }
@@ -124,7 +132,9 @@ fn of_read(fault: &ReadFault) -> Fault {
 fn of_write(fault: &WriteFault) -> Fault {
     match fault {
         WriteFault::Io(error) => of_system(error),
-        WriteFault::TooLarge { .. } => Fault::Caller("choose another format, or take a part with --roi"),
+        WriteFault::TooLarge { .. } => {
+            Fault::Caller("choose another format, or take a part with --roi")
+        }
         WriteFault::Caller(_) => Fault::Caller("choose another name or format for the output"),
         WriteFault::Cancelled(_) => Fault::Interrupted,
         _ => Fault::Ours("this should not happen; please report it"),

@@ -3,7 +3,10 @@
 //! The job only counts. A thread of its own looks at the counters ten times a second, so that showing
 //! them costs the work nothing.
 
-use crate::{args::ProgressArg, console::{Console, Message}};
+use crate::{
+    args::ProgressArg,
+    console::{Console, Message},
+};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use isokit::job::{Job, Snapshot};
 use std::{sync::mpsc, thread, time::Duration};

@@ -7,9 +7,7 @@ mod system;
 mod timings;
 mod volume;
 
-pub(crate) use mesh::{
-    CheckReport, MeshCounts, MeshReport, SurfaceBrief, SurfaceReport, around,
-};
+pub(crate) use mesh::{CheckReport, MeshCounts, MeshReport, SurfaceBrief, SurfaceReport, around};
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{VolumeFacts, VolumeReport};

@@ -1,8 +1,8 @@
 //! The options of `extract`.
 
 use super::{
-    BoundaryArg, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg, PlacementArg, SpaceArg,
-    TopologyArg, VolumeArgs,
+    BoundaryArg, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg, PlacementArg,
+    SpaceArg, TopologyArg, VolumeArgs,
 };
 use clap::Args;
 use isokit::pipeline::Region;

@@ -1,12 +1,6 @@
 //! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
 
-use isokit::{
-    geom::Unit,
-    io::Endian,
-    mesh::Rgba,
-    pipeline::IsoChoice,
-    volume::Dtype,
-};
+use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
 use std::{any::type_name, str::FromStr};
 
 /// `x,y,z`.
@@ -60,7 +54,8 @@ impl FromStr for LevelArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (iso, rest) = text.split_once(':').map_or((text, None), |(iso, rest)| (iso, Some(rest)));
+        let (iso, rest) =
+            text.split_once(':').map_or((text, None), |(iso, rest)| (iso, Some(rest)));
         let iso = iso.parse().map_err(|error| format!("{error}"))?;
         let (name, color) = match rest {
             None => (None, None),
@@ -105,13 +100,7 @@ pub(crate) fn unit(text: &str) -> Result<Unit, String> {
 #[cfg(test)]
 mod tests {
     use super::{LevelArg, SampleType, Triple, distance, unit};
-    use isokit::{
-        geom::Unit,
-        io::Endian,
-        mesh::Rgba,
-        pipeline::IsoChoice,
-        volume::Dtype,
-    };
+    use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
 
     fn level(text: &str) -> Result<LevelArg, String> {
         text.parse()

@@ -18,8 +18,6 @@ pub(crate) struct ConvertPlan {
     pub(crate) input: PathBuf,
     pub(crate) space: TargetSpace,
     pub(crate) to: ConvertTo,
-    /// What the file says it was made by.
-    pub(crate) command: String,
 }
 
 /// What the input becomes.
@@ -30,14 +28,14 @@ pub(crate) enum ConvertTo {
 }
 
 impl ConvertPlan {
-    pub(crate) fn new(args: ConvertArgs, command: String) -> Result<Self> {
+    pub(crate) fn new(args: ConvertArgs) -> Result<Self> {
         let stream = Stream::named(&args.output.output)?;
         let to = match stream {
             Stream::File(path) if is_volume(&path) => to_volume(&args, path)?,
             Stream::File(path) if mesh_format(&path).is_none() => return Err(neither(&path).into()),
             Stream::File(_) | Stream::Stdout => to_mesh(&args)?,
         };
-        Ok(Self { input: args.input, space: args.space.into(), to, command })
+        Ok(Self { input: args.input, space: args.space.into(), to })
     }
 }
 

@@ -26,8 +26,6 @@ pub(crate) struct ExtractPlan {
     pub(crate) target: MeshTarget,
     pub(crate) report: Option<TextTarget>,
     pub(crate) repeat: Repeat,
-    /// What the file says it was made by.
-    pub(crate) command: String,
 }
 
 /// One surface.
@@ -50,7 +48,7 @@ pub(crate) enum Repeat {
 }
 
 impl ExtractPlan {
-    pub(crate) fn new(args: ExtractArgs, command: String) -> Result<Self> {
+    pub(crate) fn new(args: ExtractArgs) -> Result<Self> {
         let target = MeshTarget::new(&args.output, args.iso.len())?;
         let report = args.report.as_deref().map(Stream::named).transpose()?;
         if report == Some(Stream::Stdout) && target.stream == Stream::Stdout {
@@ -80,7 +78,6 @@ impl ExtractPlan {
             target,
             report,
             repeat,
-            command,
         })
     }
 }

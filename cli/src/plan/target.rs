@@ -79,7 +79,8 @@ impl MeshTarget {
     fn check(&self, surfaces: usize) -> Result<(), UsageError> {
         let is_gltf = matches!(self.format, Format::Glb | Format::Gltf);
         if self.gltf_unit.is_some() && !is_gltf {
-            let says = format!("--gltf-unit is for .glb and .gltf; {} has no fixed unit", self.format);
+            let says =
+                format!("--gltf-unit is for .glb and .gltf; {} has no fixed unit", self.format);
             return Err(UsageError(says));
         }
         let is_single = matches!(self.format, Format::Ply | Format::Stl);

@@ -12,12 +12,12 @@ fn parsed(line: &str) -> Command {
 
 fn extract(line: &str) -> Result<ExtractPlan, String> {
     let Command::Extract(args) = parsed(&format!("extract {line}")) else { panic!("{line}") };
-    ExtractPlan::new(*args, String::new()).map_err(|error| error.to_string())
+    ExtractPlan::new(*args).map_err(|error| error.to_string())
 }
 
 fn convert(line: &str) -> Result<ConvertPlan, String> {
     let Command::Convert(args) = parsed(&format!("convert {line}")) else { panic!("{line}") };
-    ConvertPlan::new(args, String::new()).map_err(|error| error.to_string())
+    ConvertPlan::new(args).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -38,7 +38,8 @@ fn the_extension_decides_the_format_in_any_case() {
 #[test]
 fn an_unknown_extension_is_refused_with_those_that_are_known() {
     let expected = "expected a name that ends in one of .glb .gltf .obj .ply .stl, found";
-    for (name, found) in [("a.3mf", ".3mf"), ("a", "none"), ("a.ply.gz", ".gz"), ("a.nii", ".nii")] {
+    for (name, found) in [("a.3mf", ".3mf"), ("a", "none"), ("a.ply.gz", ".gz"), ("a.nii", ".nii")]
+    {
         let refusal = extract(&format!("ct.nii --iso 300 -o {name}")).unwrap_err();
         assert_eq!(refusal, format!("{name}: {expected} {found}"));
     }

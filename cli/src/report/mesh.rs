@@ -160,9 +160,7 @@ impl SurfaceBrief {
 }
 
 /// The box around several boxes.
-pub(crate) fn around(
-    boxes: impl IntoIterator<Item = [[f64; 3]; 2]>,
-) -> Option<[[f64; 3]; 2]> {
+pub(crate) fn around(boxes: impl IntoIterator<Item = [[f64; 3]; 2]>) -> Option<[[f64; 3]; 2]> {
     Aabb::around(boxes.into_iter().flatten()).map(corners)
 }
 

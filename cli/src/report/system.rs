@@ -1,5 +1,6 @@
 //! What the machine did.
 
+use isokit::lanes::Level;
 use std::fs;
 
 /// The most memory this process ever held; `None` where the system does not say.
@@ -16,7 +17,7 @@ fn of_status(status: &str) -> Option<u64> {
 
 /// Which vector instructions the extraction uses.
 pub(crate) fn simd() -> &'static str {
-    "portable"
+    Level::current().name()
 }
 
 #[cfg(test)]
