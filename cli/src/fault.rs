@@ -21,6 +21,21 @@ impl std::fmt::Display for UsageError {
 
 impl StdError for UsageError {}
 
+/// A request that cannot be met, and what could be asked for instead.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct CallerError {
+    pub(crate) message: String,
+    pub(crate) advice: &'static str,
+}
+
+impl std::fmt::Display for CallerError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl StdError for CallerError {}
+
 /// Who can do something about an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
@@ -69,6 +84,7 @@ impl Fault {
 fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let pipeline = error.downcast_ref().map(of_pipeline);
     let usage = || error.downcast_ref::<UsageError>().map(|_| Fault::Usage);
+    let caller = || error.downcast_ref().map(|error: &CallerError| Fault::Caller(error.advice));
     let read = || error.downcast_ref::<ReadError>().map(|error| of_read(&error.fault));
     let write = || error.downcast_ref::<WriteError>().map(|error| of_write(&error.fault));
     let stopped = || error.downcast_ref::<Stopped>().map(of_stopped);
@@ -76,7 +92,8 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let system = || error.downcast_ref().map(of_system);
     let threads =
         || error.downcast_ref::<ThreadsError>().map(|_| Fault::System("use fewer --threads"));
-    let found = pipeline.or_else(usage).or_else(read).or_else(write).or_else(stopped);
+    let found =
+        pipeline.or_else(usage).or_else(caller).or_else(read).or_else(write).or_else(stopped);
     found.or_else(cancelled).or_else(threads).or_else(system)
 }
 
@@ -152,6 +169,9 @@ fn of_system(error: &io::Error) -> Fault {
     match error.kind() {
         io::ErrorKind::BrokenPipe => Fault::NobodyListens,
         io::ErrorKind::NotFound => Fault::Caller("look at the path: there is nothing there"),
+        io::ErrorKind::InvalidInput | io::ErrorKind::IsADirectory => {
+            Fault::Caller("name a file that can be read")
+        }
         io::ErrorKind::PermissionDenied => Fault::System("ask for access, or choose another place"),
         io::ErrorKind::StorageFull => Fault::System("make room, or choose another place"),
         _ => Fault::System("see whether the place can be read and written otherwise"),

@@ -2,11 +2,13 @@
 //!
 //! A number that is not finite is `null`, since JSON has none.
 
+mod layout;
 mod mesh;
 mod system;
 mod timings;
 mod volume;
 
+use layout::Layout;
 pub(crate) use mesh::{CheckReport, MeshCounts, MeshReport, SurfaceBrief, SurfaceReport, around};
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
@@ -46,7 +48,11 @@ pub(crate) struct Skipped {
     pub(crate) samples_read: u64,
 }
 
-/// The object as text for people, who look at reports too.
+/// The object as text.
 pub(crate) fn to_json(report: &impl Serialize) -> serde_json::Result<String> {
-    serde_json::to_string_pretty(report).map(|text| text + "\n")
+    let mut text = vec![];
+    let mut serializer = serde_json::Serializer::with_formatter(&mut text, Layout::default());
+    report.serialize(&mut serializer)?;
+    text.push(b'\n');
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }

@@ -18,6 +18,12 @@ pub(crate) fn listed<const N: usize>(numbers: [f64; N]) -> String {
     numbers.map(|number| number.to_string()).join(" ")
 }
 
+/// A number with six digits that mean something.
+pub(crate) fn rounded(number: f64) -> String {
+    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+    rounded.to_string()
+}
+
 /// A number with `one` or `many` after it.
 pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
     format!("{} {}", grouped(number), if number == 1 { one } else { many })
@@ -71,7 +77,7 @@ fn short(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{chart, counted, grouped, listed, short};
+    use super::{chart, counted, grouped, listed, rounded, short};
     use isokit::volume::Histogram;
 
     #[test]
@@ -81,6 +87,7 @@ mod tests {
         assert_eq!(counted(1, "vertex", "vertices"), "1 vertex");
         assert_eq!(counted(1000, "vertex", "vertices"), "1 000 vertices");
         assert_eq!(listed([0.7, -1.0]), "0.7 -1");
+        assert_eq!([23644773.897542, -0.1, 0.0].map(rounded), ["23644800", "-0.1", "0"]);
         let shortened = [0.0, -1024.5, 0.5, 1e-9, 3e12, 123.456_78].map(short);
         assert_eq!(shortened, ["0", "-1024.5", "0.5", "1.000e-9", "3.000e12", "123.46"]);
     }

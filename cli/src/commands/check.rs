@@ -5,7 +5,7 @@ use crate::{
     Exit, Session,
     args::CheckArgs,
     report::{CheckReport, MeshCounts, SurfaceReport, to_json},
-    text::counted,
+    text::{counted, rounded},
 };
 use anyhow::Result;
 use isokit::{
@@ -86,9 +86,9 @@ pub(super) fn sentence(counts: &MeshCounts) -> String {
     let triangles = counted(counts.triangles, "triangle", "triangles");
     let pieces = counted(counts.components, "piece", "pieces");
     let genus = counts.genus.map_or(String::new(), |genus| format!(" (genus {genus})"));
-    let (euler, area, volume) = (counts.euler, counts.area, counts.volume);
+    let (euler, [area, volume]) = (counts.euler, [counts.area, counts.volume].map(rounded));
     format!(
-        "{vertices}, {triangles}, {pieces}, Euler characteristic {euler}{genus}, area {area:.6}, \
-         volume {volume:.6}"
+        "{vertices}, {triangles}, {pieces}, Euler characteristic {euler}{genus}, area {area}, \
+         volume {volume}"
     )
 }

@@ -3,7 +3,7 @@
 use super::weld;
 use crate::{
     Exit, Session,
-    fault::UsageError,
+    fault::CallerError,
     plan::{ConvertPlan, ConvertTo, MeshTarget, Stream},
     text::counted,
 };
@@ -35,8 +35,9 @@ fn volume(
 ) -> Result<()> {
     let input = &plan.input;
     if options.raw.is_none() && !detect(input)?.is_volume() {
-        let says = "holds a mesh, and no command makes a volume of that";
-        return Err(UsageError(format!("{} {says}", input.display())).into());
+        let message = format!("{}: this is a mesh, and the output is a volume", input.display());
+        let advice = "choose .glb .gltf .obj .ply or .stl; no command makes a volume of a mesh";
+        return Err(CallerError { message, advice }.into());
     }
     let scan = Scan::open(input, options, plan.space, &Region::Whole, &session.job)?;
     scan.notes().iter().for_each(|note| session.console.note(note));
@@ -55,8 +56,9 @@ fn mesh(
 ) -> Result<()> {
     let path = &plan.input;
     if detect(path)?.is_volume() {
-        let says = "holds a volume: `isokit extract` makes a mesh of it";
-        return Err(UsageError(format!("{} {says}", path.display())).into());
+        let message = format!("{}: this is a volume, and the output is a mesh", path.display());
+        let advice = "`isokit extract` makes a mesh of a volume";
+        return Err(CallerError { message, advice }.into());
     }
     let mut input = read_mesh(path, &session.job)?;
     input.notes.iter().for_each(|note| session.console.note(note));

@@ -1,11 +1,11 @@
 //! Where results go, and in which format.
 
-use crate::{args::MeshOutputArgs, fault::UsageError};
-use anyhow::Result;
-use isokit::{
-    geom::Unit,
-    io::{Format, WriteFault},
+use crate::{
+    args::MeshOutputArgs,
+    fault::{CallerError, UsageError},
 };
+use anyhow::Result;
+use isokit::{geom::Unit, io::Format};
 use std::path::{Path, PathBuf};
 
 /// What a mesh file may be called.
@@ -48,10 +48,15 @@ impl Stream {
         let is_missing = folder.is_some_and(|folder| !folder.is_dir());
         match (folder, path.is_dir()) {
             (Some(folder), _) if is_missing => {
-                let fault = format!("there is no folder {}", folder.display());
-                Err(WriteFault::Caller(fault.into()).at(path).into())
+                let message =
+                    format!("{}: there is no folder {}", path.display(), folder.display());
+                let advice = "make the folder, or choose another place";
+                Err(CallerError { message, advice }.into())
             }
-            (_, true) => Err(WriteFault::Caller("this is a folder".into()).at(path).into()),
+            (_, true) => {
+                let message = format!("{}: this is a folder", path.display());
+                Err(CallerError { message, advice: "choose another name for the output" }.into())
+            }
             _ => Ok(Self::File(path.to_owned())),
         }
     }
