@@ -21,7 +21,7 @@ impl Chance {
 
     /// A whole number from 0 to below `end`, which is small.
     pub const fn below(&mut self, end: u64) -> u64 {
-        (self.bits() >> 32) * end >> 32
+        ((self.bits() >> 32) * end) >> 32
     }
 
     /// A number from 0 to below 1, a multiple of 2⁻⁵³.

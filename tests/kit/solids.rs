@@ -6,12 +6,26 @@
 #[derive(Clone, Copy, Debug)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum Solid {
-    Ellipsoid { centre: [f64; 3], radii: [f64; 3] },
+    Ellipsoid {
+        centre: [f64; 3],
+        radii: [f64; 3],
+    },
     /// Ends of two radii, and the cone between them.
-    Capsule { ends: [[f64; 3]; 2], radii: [f64; 2] },
-    Box { centre: [f64; 3], halves: [f64; 3] },
+    Capsule {
+        ends: [[f64; 3]; 2],
+        radii: [f64; 2],
+    },
+    Box {
+        centre: [f64; 3],
+        halves: [f64; 3],
+    },
     /// Along an axis; `span` are its ends on that axis.
-    Cylinder { axis: usize, centre: [f64; 3], radius: f64, span: [f64; 2] },
+    Cylinder {
+        axis: usize,
+        centre: [f64; 3],
+        radius: f64,
+        span: [f64; 2],
+    },
 }
 
 impl Solid {
@@ -87,7 +101,10 @@ mod tests {
         assert_eq!(ball.distance([1.0, 0.0, 0.0]), -2.0);
         let ends = [[0.0; 3], [4.0, 0.0, 0.0]];
         let capsule = Solid::Capsule { ends, radii: [1.0, 3.0] };
-        assert_eq!([-2.0, 2.0].map(|x| capsule.distance([x, 5.0, 0.0])), [29_f64.sqrt() - 1.0, 3.0]);
+        assert_eq!(
+            [-2.0, 2.0].map(|x| capsule.distance([x, 5.0, 0.0])),
+            [29_f64.sqrt() - 1.0, 3.0]
+        );
         let block = Solid::Box { centre: [0.0; 3], halves: [1.0, 2.0, 3.0] };
         assert_eq!(block.distance([4.0, 6.0, 0.0]), 5.0);
         assert_eq!(block.distance([0.0; 3]), -1.0);
