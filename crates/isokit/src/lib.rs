@@ -6,3 +6,4 @@ pub use isokit_job as job;
 pub use isokit_marching_cubes as marching_cubes;
 pub use isokit_mesh as mesh;
 pub use isokit_volume as volume;
+pub use isokit_volume::for_any;

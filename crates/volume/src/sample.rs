@@ -2,11 +2,15 @@
 
 use crate::Dtype;
 use bytemuck::Pod;
-use std::fmt::{Debug, Display};
+use isokit_lanes::Lane;
+use std::{
+    fmt::{Debug, Display},
+    str::FromStr,
+};
 
 /// A type of sample: `u8 i8 u16 i16 u32 i32 f32 f64`, and no other.
 pub trait Sample:
-    Pod + PartialOrd + Debug + Display + Default + Send + Sync + 'static + sealed::Sealed
+    Lane + Pod + Debug + Display + FromStr + Send + Sync + 'static + sealed::Sealed
 {
     /// The same type, as a value.
     const DTYPE: Dtype;
