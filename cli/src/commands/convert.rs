@@ -73,7 +73,8 @@ fn mesh(
     let written = match &target.stream {
         Stream::File(path) => write_mesh(path, &input.surfaces, &context, &session.job)?,
         Stream::Stdout => {
-            write_mesh_to(session.out, target.format, &input.surfaces, &context, &session.job)?
+            write_mesh_to(session.out, target.format, &input.surfaces, &context, &session.job)
+                .map_err(|fault| fault.at("stdout"))?
         }
     };
     let triangles = input.surfaces.iter().map(|surface| surface.mesh.counts().triangles).sum();

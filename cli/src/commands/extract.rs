@@ -152,7 +152,8 @@ fn write(
     Ok(match &plan.target.stream {
         Stream::File(path) => write_mesh(path, surfaces, &context, &session.job)?,
         Stream::Stdout => {
-            write_mesh_to(session.out, plan.target.format, surfaces, &context, &session.job)?
+            write_mesh_to(session.out, plan.target.format, surfaces, &context, &session.job)
+                .map_err(|fault| fault.at("stdout"))?
         }
     })
 }

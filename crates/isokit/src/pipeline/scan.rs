@@ -208,13 +208,12 @@ impl Scan {
         mesh: &mut TriMesh,
         job: &Job,
     ) -> Result<(), PipelineError> {
-        mesh.clear();
         match options.normals {
             Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
             Normals::Area | Normals::None => mesh.normals = None,
         }
         let extracted = for_any!(&self.volume, volume => {
-            extract_into(&self.view(volume), iso, &options.extract, mesh, job)
+            extract_into(&self.view(volume), iso, &options.extract, &mut mesh.refill(), job)
         });
         extracted.map_err(|error| self.in_whole(error))?;
         if options.normals == Normals::Area {
