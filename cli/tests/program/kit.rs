@@ -86,7 +86,7 @@ impl Folder {
             let ending = Path::new(word).extension().unwrap_or_default().to_string_lossy();
             ending.starts_with(char::is_alphabetic) && !word.contains(':')
         };
-        let words = line.split(' ').map(|word| match is_file(&word) {
+        let words = line.split_whitespace().map(|word| match is_file(&word) {
             true => self.path(word).into_os_string(),
             false => word.into(),
         });
