@@ -37,11 +37,12 @@ pub fn extract<T: Sample>(
     job: &Job,
 ) -> Result<TriMesh, ExtractError> {
     let mut mesh = TriMesh::with_normals();
-    extract_into(view, iso, options, &mut mesh, job)?;
+    extract_into(view, iso, options, &mut mesh.refill(), job)?;
     Ok(mesh)
 }
 
-/// The surface where the value is `iso`, handed to a sink as one piece.
+/// The surface where the value is `iso`, handed to a sink as one piece. [`TriMesh::refill`] makes a sink
+/// that uses the memory of a mesh again.
 ///
 /// # Errors
 ///

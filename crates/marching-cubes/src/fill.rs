@@ -7,7 +7,9 @@ use crate::{
     vertex::Placement,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Coordinate, Edges, FirstVertices, Normals, Vertices, Word, triangles};
+use isokit_lanes::{
+    Coordinate, Edges, FirstVertices, Normals, Vertices, Word, prefer_large_pages, triangles,
+};
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -51,12 +53,18 @@ impl<T: Sample> Fill<'_, T> {
         layers_per_task: usize,
         job: &Job,
     ) -> Result<(), Cancelled> {
-        let Piece { positions, normals, triangles } = piece;
+        let Piece { positions, mut normals, triangles } = piece;
+        prefer_large_pages(triangles);
+        if let Some(normals) = &mut normals {
+            prefer_large_pages(normals);
+        }
         match positions {
             PositionsMut::F32(positions) => {
+                prefer_large_pages(positions);
                 self.slabs(Room { positions, normals }, triangles, layers_per_task, job)
             }
             PositionsMut::F64(positions) => {
+                prefer_large_pages(positions);
                 self.slabs(Room { positions, normals }, triangles, layers_per_task, job)
             }
         }
