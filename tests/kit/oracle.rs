@@ -19,7 +19,8 @@ pub fn assert_as_defined<T: Sample>(
     options: &ExtractOptions,
 ) -> (TriMesh, Surface) {
     let mut mesh = TriMesh::with_normals();
-    let said = extract_into(view, iso, options, &mut mesh, &Job::default()).expect("it extracts");
+    let said =
+        extract_into(view, iso, options, &mut mesh.refill(), &Job::default()).expect("it extracts");
     let signs = Signs::of(view, iso, options);
     let (loops, surface) = (signs.loops(), signs.surface());
 
