@@ -1,0 +1,169 @@
+//! Meshes in files.
+//!
+//! In memory every mesh is z up, in the unit and the space of its [`MeshContext`]. Each format has axes,
+//! unit and precision of its own; what is done about that stands in the header of its module, and in the
+//! header of every file that is written.
+
+mod axes;
+mod facts;
+mod gltf;
+mod name;
+mod obj;
+mod ply;
+mod rounding;
+mod sound;
+mod stl;
+mod stream;
+
+use crate::{Format, Output, WriteError, WriteFault};
+use isokit_geom::{Space, Unit};
+use isokit_job::Job;
+use isokit_mesh::{Rgba, Surface};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+/// What a file says of its world and of its making.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MeshContext {
+    /// The unit of the coordinates in memory.
+    pub unit: Unit,
+    /// Which way the axes point.
+    pub space: Space,
+    /// The command that made it; empty if there was none.
+    pub command: String,
+    /// Instead of `unit`, what a coordinate is taken for when it becomes glTF's metres: a protein in
+    /// ångström is too small to be seen there.
+    pub gltf_unit: Option<Unit>,
+}
+
+/// What was written, and what whoever reads it should know.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// The files, in the order in which they got their names. None if it was a stream.
+    pub files: Vec<PathBuf>,
+    /// A sentence each.
+    pub warnings: Vec<String>,
+    /// How many vertices that were apart fall on the place of another one, since the format holds f32. A
+    /// reader that merges equal positions makes one of them.
+    pub merged_vertices: u64,
+}
+
+/// What a surface without a colour of its own is written with, where a file wants one.
+const NEUTRAL: Rgba = Rgba([204, 204, 204, 255]);
+
+/// Writes surfaces in the format that the name of `path` ends in: `.glb`, `.gltf` with a `.bin` beside it,
+/// `.obj` with a `.mtl` beside it, `.ply` or `.stl`.
+///
+/// PLY and STL hold one surface. Several become files of their own: `head_skin.ply` and `head_bone.ply` for
+/// `head.ply`. All files appear when they are whole, and of two the one that refers to the other comes last.
+///
+/// # Errors
+///
+/// If the name has another ending, if the format cannot hold so much or such numbers, if a file cannot be
+/// written, or if the job is cancelled.
+pub fn write_mesh(
+    path: &Path,
+    surfaces: &[Surface],
+    context: &MeshContext,
+    job: &Job,
+) -> Result<Written, WriteError> {
+    let format = format_of(path).map_err(|fault| fault.at(path))?;
+    sound::check(surfaces).map_err(|fault| fault.at(path))?;
+    let mut written = Written::default();
+    match format {
+        Format::Gltf => gltf::write_gltf(path, surfaces, context, job, &mut written)?,
+        Format::Obj => obj::write_with_materials(path, surfaces, context, job, &mut written)?,
+        Format::Ply | Format::Stl if surfaces.len() > 1 => {
+            let paths = name::beside(path, surfaces.iter().map(|surface| surface.name.as_str()));
+            let surfaces = surfaces.iter().map(std::slice::from_ref);
+            write_files(format, paths.into_iter().zip(surfaces), context, job, &mut written)?;
+        }
+        _ => {
+            let file = [(path.to_owned(), surfaces)];
+            write_files(format, file.into_iter(), context, job, &mut written)?;
+        }
+    }
+    Ok(written)
+}
+
+/// Writes surfaces as one stream: GLB, OBJ without materials, or one surface as PLY or STL.
+///
+/// # Errors
+///
+/// As [`write_mesh`], and if the format needs several files for this.
+pub fn write_mesh_to(
+    out: &mut dyn Write,
+    format: Format,
+    surfaces: &[Surface],
+    context: &MeshContext,
+    job: &Job,
+) -> Result<Written, WriteFault> {
+    sound::check(surfaces)?;
+    let mut written = Written::default();
+    put(out, format, surfaces, context, job, &mut written)?;
+    Ok(written)
+}
+
+/// The mesh format that a name ends in.
+fn format_of(path: &Path) -> Result<Format, WriteFault> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let known = [Format::Glb, Format::Gltf, Format::Obj, Format::Ply, Format::Stl];
+    known.into_iter().find(|format| format.name() == ending).ok_or_else(|| {
+        WriteFault::Caller("a mesh is written as .glb, .gltf, .obj, .ply or .stl".into())
+    })
+}
+
+/// Writes one file for each path. They get their names when all are whole.
+fn write_files<'a>(
+    format: Format,
+    files: impl Iterator<Item = (PathBuf, &'a [Surface])>,
+    context: &MeshContext,
+    job: &Job,
+    written: &mut Written,
+) -> Result<(), WriteError> {
+    let whole = files.map(|(path, surfaces)| {
+        let mut output = Output::create(&path)?;
+        let done = put(&mut output, format, surfaces, context, job, written);
+        done.map_err(|fault| fault.at(&path))?;
+        Ok((path, output))
+    });
+    for (path, output) in whole.collect::<Result<Vec<_>, WriteError>>()? {
+        output.finish()?;
+        written.files.push(path);
+    }
+    Ok(())
+}
+
+fn put(
+    out: &mut dyn Write,
+    format: Format,
+    surfaces: &[Surface],
+    context: &MeshContext,
+    job: &Job,
+    written: &mut Written,
+) -> Result<(), WriteFault> {
+    let nothing = Surface::default();
+    let one = || match surfaces {
+        [] => Ok(&nothing),
+        [surface] => Ok(surface),
+        _ => Err(WriteFault::Caller(
+            format!(
+                "{format} holds one surface, not {}; .glb and .obj hold several",
+                surfaces.len()
+            )
+            .into(),
+        )),
+    };
+    match format {
+        Format::Glb => gltf::write_glb(out, surfaces, context, job, written),
+        Format::Obj => obj::write(out, surfaces, context, job),
+        Format::Ply => ply::write(out, one()?, context, job),
+        Format::Stl => stl::write(out, one()?, context, job, written),
+        _ => Err(WriteFault::Caller(
+            format!("{format} cannot be written as one stream; .glb, .obj, .ply and .stl can")
+                .into(),
+        )),
+    }
+}

@@ -1,0 +1,10 @@
+//! PLY, the polygon format of Greg Turk (Stanford, 1994).
+//!
+//! Source: <http://paulbourke.net/dataformats/ply/>. A header in text names elements and their properties;
+//! their values follow, in text or in either byte order. We write little-endian: vertices of float (or of
+//! double, where a mesh needs that), with normals if there are any, and faces of three. Coordinates are
+//! those of the mesh, z up, in its own unit, which a comment names.
+
+mod write;
+
+pub(super) use write::write;
