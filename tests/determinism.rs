@@ -3,7 +3,7 @@
 use isokit::{
     geom::{Affine, Frame},
     job::{Job, Threads},
-    marching_cubes::{Boundary, ExtractOptions, Nan, extract},
+    marching_cubes::{Boundary, ExtractOptions, Nan, extract, extract_into},
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
@@ -62,6 +62,20 @@ fn any_number_of_threads_and_any_size_of_task_and_a_second_run() {
                 let same = expected == of(&volume.view(), &options, &job);
                 assert!(same, "{} threads, {layers} layers", job.threads.count());
             }
+        }
+    }
+}
+
+#[test]
+fn memory_that_was_used_before() {
+    let volume = volume([70, 31, 37]);
+    let mut mesh = TriMesh::with_normals();
+    for iso in [-0.5, 0.1, 5.0, 0.1] {
+        for options in options() {
+            let expected = extract(&volume.view(), iso, &options, &Job::default()).unwrap();
+            let job = Job::default();
+            extract_into(&volume.view(), iso, &options, &mut mesh.refill(), &job).unwrap();
+            assert!(bits(&mesh) == bits(&expected), "iso {iso}, {options:?}");
         }
     }
 }

@@ -15,7 +15,10 @@ mod ties;
 
 use flate2::{Compression, read::MultiGzDecoder, write::GzEncoder};
 use isokit::volume::{AnyVolume, Sample};
-use std::io::{self, Read, Write};
+use std::{
+    io::{self, Read, Write},
+    sync::LazyLock,
+};
 
 /// A volume, and the file that holds it.
 #[derive(Clone, Debug)]
@@ -41,16 +44,28 @@ enum Packing {
     All,
 }
 
-/// All of them, in the order of the table in `fixtures/README.md`.
-pub fn all() -> Vec<Fixture> {
-    vec![
-        head::fixture(),
-        marschner_lobb::fixture(),
-        part::fixture(),
-        orbital::fixture(),
-        labels::fixture(),
-        ties::fixture(),
-    ]
+/// All of them, in the order of the table in `fixtures/README.md`. Made once, when first asked for.
+pub fn all() -> &'static [Fixture] {
+    static ALL: LazyLock<Vec<Fixture>> = LazyLock::new(|| {
+        vec![
+            head::fixture(),
+            marschner_lobb::fixture(),
+            part::fixture(),
+            orbital::fixture(),
+            labels::fixture(),
+            ties::fixture(),
+        ]
+    });
+    &ALL
+}
+
+/// The fixture of this name.
+///
+/// # Panics
+///
+/// If there is none.
+pub fn named(name: &str) -> &'static Fixture {
+    all().iter().find(|fixture| fixture.name == name).expect("one of the fixtures")
 }
 
 impl Fixture {
