@@ -111,6 +111,9 @@ impl<T: Sample> Fill<'_, T> {
         let mut along_x_and_y = Stream::new(room.split_off((first.z - first.x) as usize));
         let mut along_z = Stream::new(room.split_off((end - first.z) as usize));
         for y in 0..ny {
+            if self.layout.is_blank(self.planes.lattice, y, z) {
+                continue;
+            }
             self.layout.words_of_row(self.planes, [y, z], words);
             self.edges(0, [y, z], words, &mut along_x_and_y);
             self.edges(1, [y, z], words, &mut along_x_and_y);
