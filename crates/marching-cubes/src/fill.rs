@@ -138,12 +138,14 @@ impl<T: Sample> Fill<'_, T> {
     ) {
         // A guard before the first sample has the number −1, which wraps.
         let sample = |point: usize| point.wrapping_sub(self.planes.lattice.guard) as u32;
+        let (y, z) = (sample(y), sample(z));
         for word in words {
+            let first = sample(word.first);
             let mut cuts = word.owned()[axis];
             while cuts != 0 {
-                let x = word.first + cuts.trailing_zeros() as usize;
+                let x = first.wrapping_add(cuts.trailing_zeros());
                 cuts &= cuts - 1;
-                if stream.edges.push(axis, [x, y, z].map(sample)) {
+                if stream.edges.push(axis, [x, y, z]) {
                     stream.flush(&self.placement);
                 }
             }
