@@ -146,9 +146,9 @@ impl Edges {
     #[inline(always)]
     pub fn push(&mut self, axis: usize, low: [u32; 3]) -> bool {
         self.axis[self.count] = axis as u32;
-        for (all, own) in self.low.iter_mut().zip(low) {
-            all[self.count] = own;
-        }
+        self.low[0][self.count] = low[0];
+        self.low[1][self.count] = low[1];
+        self.low[2][self.count] = low[2];
         self.count += 1;
         self.count == BATCH
     }
@@ -165,12 +165,12 @@ impl Edges {
 
     /// Axis and lower end of edge `n`.
     pub fn get(&self, n: usize) -> (usize, [u32; 3]) {
-        (self.axis[n] as usize, self.low.map(|all| all[n]))
+        (self.axis[n] as usize, [self.low[0][n], self.low[1][n], self.low[2][n]])
     }
 
     /// Forgets all of them.
     pub fn clear(&mut self) {
-        *self = Self::default();
+        self.count = 0;
     }
 }
 

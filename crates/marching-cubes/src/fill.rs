@@ -111,6 +111,9 @@ impl<T: Sample> Fill<'_, T> {
         let mut along_x_and_y = Stream::new(room.split_off((first.z - first.x) as usize));
         let mut along_z = Stream::new(room.split_off((end - first.z) as usize));
         for y in 0..ny {
+            if self.layout.is_blank(self.planes.lattice, y, z) {
+                continue;
+            }
             self.layout.words_of_row(self.planes, [y, z], words);
             self.edges(0, [y, z], words, &mut along_x_and_y);
             self.edges(1, [y, z], words, &mut along_x_and_y);
@@ -135,12 +138,14 @@ impl<T: Sample> Fill<'_, T> {
     ) {
         // A guard before the first sample has the number −1, which wraps.
         let sample = |point: usize| point.wrapping_sub(self.planes.lattice.guard) as u32;
+        let (y, z) = (sample(y), sample(z));
         for word in words {
+            let first = sample(word.first);
             let mut cuts = word.owned()[axis];
             while cuts != 0 {
-                let x = word.first + cuts.trailing_zeros() as usize;
+                let x = first.wrapping_add(cuts.trailing_zeros());
                 cuts &= cuts - 1;
-                if stream.edges.push(axis, [x, y, z].map(sample)) {
+                if stream.edges.push(axis, [x, y, z]) {
                     stream.flush(&self.placement);
                 }
             }

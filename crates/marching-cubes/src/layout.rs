@@ -81,6 +81,23 @@ impl Layout {
         self.slices[self.slices.len() - 1]
     }
 
+    /// Whether a row makes nothing: the next one begins where it begins.
+    #[inline(always)]
+    pub(crate) fn is_blank(&self, lattice: Lattice, y: usize, z: usize) -> bool {
+        let (own, first, end) =
+            (self.row(lattice, y, z), self.row(lattice, 0, z), self.slices[z + 1]);
+        let next = match y + 1 < lattice.points[1] {
+            true => self.row(lattice, y + 1, z),
+            false => Row {
+                x: first.z,
+                y: first.z,
+                z: end.vertices as u32,
+                triangles: (end.triangles - self.slices[z].triangles) as u32,
+            },
+        };
+        (own.x, own.z, own.triangles) == (next.x, next.z, next.triangles)
+    }
+
     /// The words of a row that hold a crossed cell or a cut edge that the row owns.
     pub(crate) fn words_of_row(&self, planes: &Planes, place: [usize; 2], out: &mut Vec<Word>) {
         words(planes, self.live.as_ref(), place, out);
