@@ -82,7 +82,7 @@ Example:
     #[command(after_help = "\
 Examples:
   isokit convert scan.mha -o scan.nii.gz
-  isokit convert bone.stl -o bone.glb --weld 0 --gltf-unit mm
+  isokit convert bone.stl -o bone.glb --gltf-unit mm
 
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; meshes become .glb .gltf .obj .ply .stl.")]
     Convert(ConvertArgs),
@@ -138,8 +138,8 @@ pub(crate) struct ConvertArgs {
 /// What is done about vertices that a file repeats.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct WeldArgs {
-    /// Make one vertex of those no further apart than this, in the file's unit; 0: at exactly the same
-    /// place, which is done for STL in any case, since STL repeats every vertex
+    /// Make one vertex of those no further apart than this, in the file's unit; 0: of those at exactly
+    /// the same place. STL, which repeats every vertex, is read as with 0
     #[arg(long, value_name = "DISTANCE", value_parser = values::distance)]
     pub(crate) weld: Option<f64>,
 }

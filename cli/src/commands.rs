@@ -11,13 +11,12 @@ pub(crate) mod man;
 use crate::Session;
 use anyhow::Result;
 use isokit::{
-    io::{Format, MeshInput},
+    io::MeshInput,
     mesh::{Welded, weld_exact, weld_within},
 };
 
-/// Makes one vertex of several where the user or the format asks for it, and says so.
+/// Makes one vertex of several where the user asks for it, and says so.
 fn weld(input: &mut MeshInput, distance: Option<f64>, session: &Session<'_, '_>) -> Result<()> {
-    let distance = distance.or((input.format == Format::Stl).then_some(0.0));
     let Some(distance) = distance else { return Ok(()) };
     for surface in &mut input.surfaces {
         let welded = match distance > 0.0 {

@@ -143,12 +143,8 @@ fn write(
     surfaces: &[Surface],
     session: &mut Session<'_, '_>,
 ) -> Result<Written> {
-    let context = MeshContext {
-        unit: scan.unit(),
-        space: scan.space(),
-        command: session.command.clone(),
-        gltf_unit: plan.target.gltf_unit,
-    };
+    let context =
+        MeshContext { gltf_unit: plan.target.gltf_unit, ..scan.context(session.command.as_str()) };
     Ok(match &plan.target.stream {
         Stream::File(path) => write_mesh(path, surfaces, &context, &session.job)?,
         Stream::Stdout => {

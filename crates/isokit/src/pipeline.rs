@@ -2,11 +2,11 @@
 //!
 //! | step | function |
 //! | --- | --- |
-//! | read | [`Scan::open`], or [`Scan::new`] for samples from elsewhere |
+//! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
 //! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
 //! | extract | [`Scan::mesh`], with normals |
-//! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::unit`] and [`Scan::space`] |
+//! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
 //! what a user should know comes back as a value ([`Scan::notes`], [`Remark`]).

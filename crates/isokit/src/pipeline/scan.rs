@@ -4,8 +4,8 @@ use crate::pipeline::{
     IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions, TargetSpace,
     UnknownSpace,
 };
-use isokit_geom::{Frame, Space, Unit};
-use isokit_io::{Format, VolumeOptions, open_volume};
+use isokit_geom::Frame;
+use isokit_io::{Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job};
 use isokit_marching_cubes::{ExtractError, extract_into};
 use isokit_mesh::{Counts, TriMesh, area_normals};
@@ -24,6 +24,16 @@ pub struct Scan {
 }
 
 impl Scan {
+    /// Reads a scan from a file, all of it, where the file says it is.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read.
+    pub fn read(path: impl AsRef<Path>, job: &Job) -> Result<Self, PipelineError> {
+        let (options, space) = (VolumeOptions::default(), TargetSpace::Source);
+        Self::open(path.as_ref(), &options, space, &Region::Whole, job)
+    }
+
     /// Reads a scan from a file. Whether it has the part, and axes that can be turned, is found out
     /// before the samples are read.
     ///
@@ -96,14 +106,10 @@ impl Scan {
         &self.volume.grid().frame
     }
 
-    /// The unit of the mesh.
-    pub fn unit(&self) -> Unit {
-        self.frame().unit
-    }
-
-    /// The axes of the mesh.
-    pub fn space(&self) -> Space {
-        self.frame().space
+    /// What a file says of the world of this scan's meshes, and of the command that made them.
+    pub fn context(&self, command: impl Into<String>) -> MeshContext {
+        let (unit, space) = (self.frame().unit, self.frame().space);
+        MeshContext { unit, space, command: command.into(), gltf_unit: None }
     }
 
     /// What the file was, if there was one.
