@@ -7,6 +7,7 @@
 mod axes;
 mod facts;
 mod gltf;
+mod input;
 mod name;
 mod obj;
 mod ply;
@@ -14,6 +15,8 @@ mod rounding;
 mod sound;
 mod stl;
 mod stream;
+
+pub use input::{MeshInput, read_mesh};
 
 use crate::{Format, Output, WriteError, WriteFault};
 use isokit_geom::{Space, Unit};
@@ -167,3 +170,8 @@ fn put(
         )),
     }
 }
+
+#[cfg(test)]
+mod kit;
+#[cfg(test)]
+mod tests;

@@ -8,10 +8,18 @@
 //! some programs read nodes without their transforms. `asset.extras` says what was done:
 //! `metres_per_unit`, `unit`, `space`, `axes`, `command`.
 
+mod accessor;
+mod base64;
+mod buffers;
+mod container;
 mod document;
 mod layout;
+mod read;
+mod scene;
+mod transform;
 mod write;
 
+pub(super) use read::read;
 pub(super) use write::{write_glb, write_gltf};
 
 use super::MeshContext;
@@ -51,3 +59,6 @@ mod mark {
     /// Bytes before the content of a chunk.
     pub(super) const CHUNK: u64 = 8;
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,9 +8,9 @@ use std::{
 /// Longer file names than this some systems refuse; there is room left for a folder's prefix and ending.
 const LONGEST: usize = 120;
 
-/// A name without what ends a word or a line; never empty.
+/// A name without what ends a word or a line, or joins lines; never empty.
 pub(super) fn word(name: &str) -> String {
-    let is_apart = |c: char| c.is_whitespace() || c.is_control();
+    let is_apart = |c: char| c.is_whitespace() || c.is_control() || c == '\\';
     let word: String = name.trim().chars().map(|c| if is_apart(c) { '_' } else { c }).collect();
     if word.is_empty() { "surface".to_owned() } else { word }
 }

@@ -6,6 +6,12 @@
 //! of the same name.
 
 mod material;
+mod object;
+mod read;
 mod write;
 
+pub(super) use read::read;
 pub(super) use write::{write, write_with_materials};
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,13 @@
 //! double, where a mesh needs that), with normals if there are any, and faces of three. Coordinates are
 //! those of the mesh, z up, in its own unit, which a comment names.
 
+mod header;
+mod read;
+mod values;
 mod write;
 
+pub(super) use read::read;
 pub(super) use write::write;
+
+#[cfg(test)]
+mod tests;

@@ -5,11 +5,18 @@
 //! normal, its corners and two bytes of nothing. Coordinates are those of the mesh, z up, in its own unit,
 //! as f32. There are no shared vertices; the reader makes one of all corners at exactly the same place.
 
+mod corners;
+mod read;
+mod text;
 mod write;
 
+pub(super) use read::read;
 pub(super) use write::write;
 
 /// Bytes before the first triangle of a binary file.
 const HEAD: usize = 84;
 /// Bytes of a triangle in a binary file.
 const FACET: usize = 50;
+
+#[cfg(test)]
+mod tests;

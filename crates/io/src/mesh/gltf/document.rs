@@ -52,9 +52,12 @@ pub(super) fn document(
         let name = named(surface);
         root.push(Node { name, mesh, extras: extras.and_then(raw), ..Node::default() })
     });
-    let nodes = nodes.collect();
-    let scene = Scene { nodes, name: None, extensions: None, extras: None };
-    root.scene = Some(root.push(scene));
+    let nodes: Vec<_> = nodes.collect();
+    // A scene of nothing is lawful, but `gltf-json` does not read it.
+    if !nodes.is_empty() {
+        let scene = Scene { nodes, name: None, extensions: None, extras: None };
+        root.scene = Some(root.push(scene));
+    }
     root
 }
 

@@ -113,6 +113,13 @@ impl<'a> Plan<'a> {
         let scale = Scale::of(context);
         let is_empty = |surface: &Surface| surface.mesh.triangles.is_empty();
         let shown = surfaces.iter().filter(|surface| !is_empty(surface));
+        for Surface { name, mesh, .. } in surfaces.iter().filter(|surface| is_empty(surface)) {
+            if !mesh.positions.is_empty() {
+                let count = mesh.positions.len();
+                let lost = format!("surface {name:?}: {count} vertices and no triangle; left out");
+                written.warnings.push(lost);
+            }
+        }
         let shape = |surface: &Surface, has_normals| Shape {
             vertices: surface.mesh.positions.len() as u64,
             triangles: surface.mesh.triangles.len() as u64,

@@ -87,7 +87,11 @@ fn put_all(
 }
 
 fn remarks(stream: &mut Stream<'_>, lines: &[String]) {
-    lines.iter().for_each(|line| stream.put(format!("# {line}\n").as_bytes()));
+    for line in lines {
+        // A line that ends with `\` goes on in the next.
+        let end = if line.ends_with('\\') { " \n" } else { "\n" };
+        stream.put(format!("# {line}{end}").as_bytes());
+    }
 }
 
 /// Puts a surface whose first vertex and first normal have these numbers.
