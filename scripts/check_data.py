@@ -160,16 +160,16 @@ def check_orientations(tally: Tally, isokit: Isokit, data: Path, folder: Path) -
 
 
 def unmatched(points: np.ndarray, others: np.ndarray) -> int:
-    """How many points of two sets have no partner within one ulp of f32 in each coordinate.
+    """How many points of two sets have no partner within one ulp of f32 at the outermost coordinate.
 
-    A coordinate near zero is a difference of larger ones, whose rounding in f64 stays.
+    The headers hold their offsets as f32 and so differ by half an ulp of those; near zero that is many
+    ulps of the coordinate itself.
     """
     if len(points) != len(others):
         return abs(len(points) - len(others))
     _, partner = cKDTree(others).query(points)
     taken = len(np.unique(partner))
-    larger = np.maximum(np.abs(points), np.abs(others[partner])).astype(np.float32)
-    slack = np.maximum(np.spacing(larger), np.abs(others).max() * 2.0**-50)
+    slack = np.spacing(np.float32(np.abs(others).max()))
     near = (np.abs(points - others[partner]) <= slack).all(axis=1)
     return len(points) - min(taken, int(near.sum()))
 

@@ -22,6 +22,15 @@ pub enum ExtractError<E = Infallible> {
         first: [usize; 3],
     },
 
+    /// Our limit: an axis is longer than a kernel can count.
+    #[error("axis {axis} has {size} samples, at most {} can be extracted at once", i32::MAX - 2)]
+    TooLong {
+        /// 0, 1 or 2 for x, y, z.
+        axis: usize,
+        /// Its samples.
+        size: usize,
+    },
+
     /// Our limit: triangles name their vertices in 32 bits.
     #[error(
         "the surface has {vertices} vertices and {triangles} triangles, more than 32 bits can \

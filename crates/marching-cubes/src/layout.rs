@@ -7,11 +7,12 @@
 
 use crate::{
     ExtractError,
-    case::COUNTS,
+    case::CASES,
+    masked::LiveCells,
     planes::{Lattice, Planes},
-    row::{LiveCells, Word},
 };
 use isokit_job::{Cancelled, Job};
+use isokit_lanes::{Word, count, words_of_row};
 use isokit_mesh::Counts;
 use rayon::prelude::*;
 
@@ -52,11 +53,12 @@ impl Layout {
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
         let counted = tasks.map(|(task, slab)| {
             job.check()?;
+            let mut scratch = vec![];
             let slices = slab.chunks_exact_mut(ny).enumerate();
             let counts = slices.map(|(n, slice)| {
                 let z = task * layers_per_task + n;
                 job.progress.advance(1);
-                count_slice(planes, live.as_ref(), z, slice)
+                count_slice(planes, live.as_ref(), z, slice, &mut scratch)
             });
             Ok(counts.collect::<Vec<Counts>>())
         });
@@ -79,6 +81,28 @@ impl Layout {
         self.slices[self.slices.len() - 1]
     }
 
+    /// Whether a row makes nothing: the next one begins where it begins.
+    #[inline(always)]
+    pub(crate) fn is_blank(&self, lattice: Lattice, y: usize, z: usize) -> bool {
+        let (own, first, end) =
+            (self.row(lattice, y, z), self.row(lattice, 0, z), self.slices[z + 1]);
+        let next = match y + 1 < lattice.points[1] {
+            true => self.row(lattice, y + 1, z),
+            false => Row {
+                x: first.z,
+                y: first.z,
+                z: end.vertices as u32,
+                triangles: (end.triangles - self.slices[z].triangles) as u32,
+            },
+        };
+        (own.x, own.z, own.triangles) == (next.x, next.z, next.triangles)
+    }
+
+    /// The words of a row that hold a crossed cell or a cut edge that the row owns.
+    pub(crate) fn words_of_row(&self, planes: &Planes, place: [usize; 2], out: &mut Vec<Word>) {
+        words(planes, self.live.as_ref(), place, out);
+    }
+
     /// The record of a row.
     #[inline(always)]
     pub(crate) fn row(&self, lattice: Lattice, y: usize, z: usize) -> Row {
@@ -86,48 +110,34 @@ impl Layout {
     }
 }
 
-/// Calls `each(w, word)` for every word of the cells that start in row `y`, `z` and of the edges that the
-/// row owns. Beyond the last row or slice the row itself stands in, so that no edge leads there.
-#[inline(always)]
-pub(crate) fn words_of_row(
-    planes: &Planes,
-    live: Option<&LiveCells>,
-    [y, z]: [usize; 2],
-    mut each: impl FnMut(usize, &Word),
-) {
-    let Lattice { points: [_, ny, nz], words, .. } = planes.lattice;
+/// The words of a row that hold a crossed cell or a cut edge that the row owns.
+///
+/// Beyond the last row or slice the row itself stands in, so that no edge leads there.
+fn words(planes: &Planes, live: Option<&LiveCells>, [y, z]: [usize; 2], out: &mut Vec<Word>) {
+    let [nx, ny, nz] = planes.lattice.points;
     let (next_y, next_z) = ((y + 1).min(ny - 1), (z + 1).min(nz - 1));
     let rows = [(y, z), (next_y, z), (y, next_z), (next_y, next_z)];
-    let rows = rows.map(|(y, z)| planes.inside.row(y, z));
-    let has_cells = next_y > y && next_z > z;
-    for w in 0..words {
-        let mut word = Word::new(rows, w, planes.lattice.cells(w));
-        if !has_cells {
-            word.active = 0;
-        }
-        if word.is_blank() {
-            continue;
-        }
-        if let Some(live) = live {
-            word.keep(live, [y, z], w);
-        }
-        each(w, &word);
+    words_of_row(rows.map(|(y, z)| planes.inside.row(y, z)), nx, out);
+    if let Some(live) = live {
+        out.iter_mut().for_each(|word| live.restrict(word, [y, z]));
+    }
+    if next_y == y || next_z == z {
+        out.iter_mut().for_each(|word| word.active = 0);
     }
 }
 
-fn count_slice(planes: &Planes, live: Option<&LiveCells>, z: usize, slice: &mut [Row]) -> Counts {
+fn count_slice(
+    planes: &Planes,
+    live: Option<&LiveCells>,
+    z: usize,
+    slice: &mut [Row],
+    scratch: &mut Vec<Word>,
+) -> Counts {
     let mut counts = Counts::default();
     for (y, row) in slice.iter_mut().enumerate() {
-        words_of_row(planes, live, [y, z], |_, word| {
-            row.x += word.x[0].count_ones();
-            row.y += word.y[0].count_ones();
-            row.z += word.z[0].count_ones();
-            let mut active = word.active;
-            while active != 0 {
-                row.triangles += u32::from(COUNTS[word.case(active.trailing_zeros())]);
-                active &= active - 1;
-            }
-        });
+        words(planes, live, [y, z], scratch);
+        let found = count(scratch, &CASES.counts);
+        *row = Row { x: found.x, y: found.y, z: found.z, triangles: found.triangles };
         counts.vertices += u64::from(row.x) + u64::from(row.y) + u64::from(row.z);
         counts.triangles += u64::from(row.triangles);
     }

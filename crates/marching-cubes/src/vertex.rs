@@ -5,31 +5,12 @@
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
 
-use isokit_geom::Affine;
+use isokit_lanes::{Coordinate, Edges, Field, Normals, Samples, TAME, Vertices, vertices};
 use isokit_volume::{Sample, View, gradient};
-
-/// A type of coordinate in the output.
-pub(crate) trait Coordinate: Copy + Send {
-    fn round(value: f64) -> Self;
-}
-
-impl Coordinate for f32 {
-    #[inline(always)]
-    fn round(value: f64) -> Self {
-        value as f32
-    }
-}
-
-impl Coordinate for f64 {
-    #[inline(always)]
-    fn round(value: f64) -> Self {
-        value
-    }
-}
 
 /// A cut edge of the lattice.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cut {
+struct Cut {
     axis: usize,
     /// The lower end in index space; a guard's index may be −1.
     low: [f64; 3],
@@ -40,77 +21,92 @@ pub(crate) struct Cut {
     delta: f64,
 }
 
-/// Everything beside the edge that a vertex depends on.
+/// What a vertex depends on, beside its edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement<'a, T> {
     view: View<'a, T>,
-    guard: usize,
-    iso: f64,
-    reach: f64,
-    columns: [[f64; 3]; 3],
-    origin: [f64; 3],
-    covectors: [[f64; 3]; 3],
+    samples: Option<Samples<'a, T>>,
+    field: Field,
 }
 
 impl<'a, T: Sample> Placement<'a, T> {
-    /// `guard` is the lattice index of the first sample, `margin` the least distance that a vertex
-    /// keeps from both ends of its edge, in edge lengths.
-    pub(crate) fn new(view: View<'a, T>, guard: usize, iso: f64, margin: f64) -> Self {
-        let affine: Affine = view.frame().index_to_world;
-        Self {
-            view,
-            guard,
+    /// `margin` is the least distance that a vertex keeps from both ends of its edge, in edge lengths.
+    pub(crate) fn new(view: View<'a, T>, iso: f64, margin: f64) -> Self {
+        let affine = view.frame().index_to_world;
+        let field = Field {
             iso,
+            slope: view.scaling().slope(),
+            intercept: view.scaling().intercept(),
             reach: 0.5 - margin,
             columns: affine.columns(),
             origin: affine.origin(),
             covectors: affine.covector_columns(),
+        };
+        Self { samples: view.samples(), view, field }
+    }
+
+    /// Places a batch of edges. Edges between samples go to the kernel; those to a guard, and those that
+    /// the kernel calls odd, are placed one by one. Both do the same arithmetic.
+    pub(crate) fn place<C: Coordinate>(
+        &self,
+        edges: &Edges,
+        normals: Normals,
+        out: &mut Vertices<C>,
+    ) {
+        match &self.samples {
+            Some(samples) => vertices(samples, &self.field, edges, normals, out),
+            None => out.odd = u32::MAX >> (32 - edges.len()),
+        }
+        let mut odd = out.odd;
+        while odd != 0 {
+            let n = odd.trailing_zeros() as usize;
+            odd &= odd - 1;
+            let (axis, low) = edges.get(n);
+            let cut = self.cut(axis, low);
+            out.positions[n] = self.position(&cut);
+            if normals == Normals::Gradient {
+                out.normals[n] = self.normal(&cut);
+            }
         }
     }
 
-    /// The cut of the edge along `axis` whose lower end is `point` of the lattice.
-    #[inline(always)]
-    pub(crate) fn cut(&self, axis: usize, point: [usize; 3]) -> Cut {
-        let low = point.map(|p| p as f64 - self.guard as f64);
-        let sample = point.map(|p| p.wrapping_sub(self.guard));
-        let mut above = sample;
-        above[axis] = above[axis].wrapping_add(1);
+    /// The cut of the edge along `axis` whose lower end is the sample `low`, or the guard before the
+    /// first, whose number is one below 0 and wraps.
+    fn cut(&self, axis: usize, low: [u32; 3]) -> Cut {
+        // The guard stays beyond every size, and one above it is 0.
+        let low = low.map(|i| i as i32 as isize as usize);
+        let mut high = low;
+        high[axis] = high[axis].wrapping_add(1);
         let size = self.view.dims()[axis];
-        let ends = [sample, above].map(|ijk| (ijk[axis] < size).then_some(ijk));
+        let ends = [low, high].map(|ijk| (ijk[axis] < size).then_some(ijk));
         let values = ends.map(|end| end.map(|ijk| self.view.value(ijk)));
-        let delta = delta(values, self.iso).clamp(-self.reach, self.reach);
+        let delta = delta(values, self.field.iso).clamp(-self.field.reach, self.field.reach);
+        let low = low.map(|i| i as isize as f64);
         Cut { axis, low, ends, values, delta }
     }
 
     /// The position of a cut in world space.
-    #[inline(always)]
-    pub(crate) fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
+    fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
         let mut ijk = cut.low;
-        ijk[cut.axis] += 0.5;
-        ijk[cut.axis] += cut.delta;
-        std::array::from_fn(|k| {
-            let along = |axis: usize| self.columns[axis][k] * ijk[axis];
-            C::round(along(0) + (along(1) + (along(2) + self.origin[k])))
-        })
+        ijk[cut.axis] = ijk[cut.axis] + 0.5 + cut.delta;
+        self.field.world(ijk).map(C::round)
     }
 
     /// The unit normal at a cut: against the gradient, which is interpolated between the ends.
     ///
     /// Where the samples tell no gradient, at a guard or where all differences cancel, the value is still
     /// known to fall along the edge, and that direction stands in.
-    #[inline(always)]
-    pub(crate) fn normal(&self, cut: &Cut) -> [f32; 3] {
+    fn normal(&self, cut: &Cut) -> [f32; 3] {
         let found = self.outward(self.gradient(cut));
         found.unwrap_or_else(|| {
             let mut along = [0.0; 3];
-            let falls = cut.values[0].is_some_and(|low| low >= self.iso);
+            let falls = cut.values[0].is_some_and(|low| low >= self.field.iso);
             along[cut.axis] = if falls { -1.0 } else { 1.0 };
             // An axis has a direction, since the frame can be inverted.
             self.outward(along).unwrap_or([0.0, 0.0, 1.0])
         })
     }
 
-    #[inline(always)]
     fn gradient(&self, cut: &Cut) -> [f64; 3] {
         let [Some(low), Some(high)] = cut.ends else { return [0.0; 3] };
         let share = match cut.values.map(|value| value.is_some_and(f64::is_finite)) {
@@ -123,30 +119,28 @@ impl<'a, T: Sample> Placement<'a, T> {
     }
 
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
-    #[inline(always)]
     fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
-        let steepest = greatest(gradient);
-        // Divided by its greatest part first, so that no square overflows or vanishes.
-        let inward = gradient.map(|part| part / steepest);
-        let world: [f64; 3] = std::array::from_fn(|k| {
-            let along = |axis: usize| self.covectors[axis][k] * inward[axis];
-            along(0) + along(1) + along(2)
-        });
-        let longest = greatest(world);
-        if !(steepest > 0.0 && longest > 0.0) {
-            return None;
+        let world = self.field.world_gradient(gradient);
+        if TAME.contains(&greatest(world)) {
+            return Some(against(world));
         }
-        let world = world.map(|part| part / longest);
-        let length = (world[0] * world[0] + world[1] * world[1] + world[2] * world[2]).sqrt();
-        Some(world.map(|part| (-part / length) as f32))
+        // Divided by its greatest part first, so that no square overflows or vanishes.
+        let world = self.field.world_gradient(gradient.map(|part| part / greatest(gradient)));
+        let longest = greatest(world);
+        (longest > 0.0).then(|| against(world.map(|part| part / longest)))
     }
+}
+
+/// The unit vector against `v`, whose square is neither 0 nor infinite.
+fn against(v: [f64; 3]) -> [f32; 3] {
+    let outward = -1.0 / (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|part| (part * outward) as f32)
 }
 
 /// The crossing between two values, in edge lengths from the middle of the edge, from −½ to ½.
 ///
 /// Next to a guard it is at the sample, next to a value that is not finite at the finite one, between two
 /// that are not in the middle.
-#[inline(always)]
 fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
     match values {
         [Some(low), Some(high)] if low.is_finite() && high.is_finite() => {
@@ -172,7 +166,6 @@ fn delta(values: [Option<f64>; 2], iso: f64) -> f64 {
     }
 }
 
-#[inline(always)]
 fn greatest(v: [f64; 3]) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
@@ -243,7 +236,7 @@ mod tests {
             (0..3).map(|k| xyz[k] * slope[k]).sum::<f64>()
         };
         let volume = Volume::new(grid, (0..64).map(value).collect::<Vec<f64>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0, value(0).midpoint(value(1)), 0.0);
+        let placement = Placement::new(volume.view(), value(0).midpoint(value(1)), 0.0);
         let cut = placement.cut(0, [0, 0, 0]);
         let length = slope.iter().map(|c| c * c).sum::<f64>().sqrt();
         for (found, part) in placement.normal(&cut).into_iter().zip(slope) {
@@ -268,7 +261,7 @@ mod tests {
         let grid = Grid::new([4, 4, 4], Frame::default()).unwrap();
         let checker = |n: usize| if (n + n / 4 + n / 16) % 2 == 1 { -1.0 } else { 1.0 };
         let volume = Volume::new(grid, (0..64).map(checker).collect::<Vec<f32>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0, 0.0, 0.0);
+        let placement = Placement::new(volume.view(), 0.0, 0.0);
         assert_eq!(placement.normal(&placement.cut(1, [1, 1, 1])), [0.0, -1.0, 0.0]);
         assert_eq!(placement.normal(&placement.cut(1, [2, 1, 1])), [0.0, 1.0, 0.0]);
     }

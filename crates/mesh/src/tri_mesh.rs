@@ -110,52 +110,115 @@ impl TriMesh {
     }
 }
 
-/// Keeps the surface, all pieces as one mesh. A used mesh keeps its memory but none of its content.
-impl MeshSink for TriMesh {
-    type Error = Infallible;
-
-    fn wants_normals(&self) -> bool {
-        self.normals.is_some()
+impl TriMesh {
+    /// A sink that replaces what the mesh holds and uses its memory again. It takes normals if the mesh
+    /// has some, be they none: see [`with_normals`](Self::with_normals).
+    pub fn refill(&mut self) -> Refill<'_> {
+        Refill { mesh: self, filled: Counts::default() }
     }
 
-    fn piece(&mut self, counts: Counts, precision: Precision) -> Result<Piece<'_>, Infallible> {
-        let vertices = counts.vertices as usize;
-        let positions = match precision {
-            Precision::F32 => {
-                if !matches!(self.positions, Positions::F32(_)) {
-                    self.positions = Positions::F32(vec![]);
-                }
-                match &mut self.positions {
-                    Positions::F32(all) => PositionsMut::F32(grown(all, vertices)),
-                    Positions::F64(_) => unreachable!("set above"),
-                }
-            }
-            Precision::F64 => {
-                if !matches!(self.positions, Positions::F64(_)) {
-                    self.positions = Positions::F64(vec![]);
-                }
-                match &mut self.positions {
-                    Positions::F64(all) => PositionsMut::F64(grown(all, vertices)),
-                    Positions::F32(_) => unreachable!("set above"),
-                }
-            }
-        };
-        Ok(Piece {
-            positions,
-            normals: self.normals.as_mut().map(|all| grown(all, vertices)),
-            triangles: grown(&mut self.triangles, counts.triangles as usize),
-        })
+    /// Room for `more` behind the first `held`, in memory that is there or new.
+    fn room(&mut self, held: Counts, more: Counts, precision: Precision) -> Piece<'_> {
+        if self.positions.precision() != precision {
+            self.positions = match precision {
+                Precision::F32 => Positions::F32(vec![]),
+                Precision::F64 => Positions::F64(vec![]),
+            };
+        }
+        let (vertices, more_vertices) = (held.vertices as usize, more.vertices as usize);
+        Piece {
+            positions: match &mut self.positions {
+                Positions::F32(all) => PositionsMut::F32(room(all, vertices, more_vertices)),
+                Positions::F64(all) => PositionsMut::F64(room(all, vertices, more_vertices)),
+            },
+            normals: self.normals.as_mut().map(|all| room(all, vertices, more_vertices)),
+            triangles: room(&mut self.triangles, held.triangles as usize, more.triangles as usize),
+        }
+    }
+
+    /// Forgets all but the first `held`.
+    fn truncate(&mut self, held: Counts) {
+        let vertices = held.vertices as usize;
+        match &mut self.positions {
+            Positions::F32(all) => all.truncate(vertices),
+            Positions::F64(all) => all.truncate(vertices),
+        }
+        if let Some(normals) = &mut self.normals {
+            normals.truncate(vertices);
+        }
+        self.triangles.truncate(held.triangles as usize);
     }
 }
 
-/// Makes a vector longer by `more` items and gives those.
-fn grown<T: Copy + Default>(all: &mut Vec<T>, more: usize) -> &mut [T] {
-    let old = all.len();
-    if old == 0 && all.capacity() < more {
-        // Zeroed memory straight from the system: each page is touched first by whoever fills it.
-        *all = vec![T::default(); more];
-    } else {
-        all.resize(old + more, T::default());
+/// Replaces the content of a mesh, in the memory that it has. What is not filled is gone when this is
+/// dropped.
+#[derive(Debug)]
+pub struct Refill<'a> {
+    mesh: &'a mut TriMesh,
+    filled: Counts,
+}
+
+impl MeshSink for Refill<'_> {
+    type Error = Infallible;
+
+    fn wants_normals(&self) -> bool {
+        self.mesh.normals.is_some()
     }
-    &mut all[old..]
+
+    fn piece(&mut self, counts: Counts, precision: Precision) -> Result<Piece<'_>, Infallible> {
+        let held = self.filled;
+        self.filled.vertices += counts.vertices;
+        self.filled.triangles += counts.triangles;
+        Ok(self.mesh.room(held, counts, precision))
+    }
+}
+
+impl Drop for Refill<'_> {
+    fn drop(&mut self) {
+        self.mesh.truncate(self.filled);
+    }
+}
+
+/// The `more` items behind the first `held`. What is there already keeps its content, to be overwritten:
+/// memory that was used before is not cleared, and new memory comes as zeros from the system, whose pages
+/// are touched first by whoever fills them.
+fn room<T: Copy + Default>(all: &mut Vec<T>, held: usize, more: usize) -> &mut [T] {
+    if held == 0 && all.capacity() < more {
+        *all = vec![T::default(); more];
+    } else if all.len() < held + more {
+        all.resize(held + more, T::default());
+    }
+    &mut all[held..held + more]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TriMesh;
+    use crate::{Counts, MeshSink, PositionsMut, Precision};
+
+    fn fill(sink: &mut impl MeshSink<Error: std::fmt::Debug>, vertices: u64, value: f32) {
+        let counts = Counts { vertices, triangles: 2 * vertices };
+        let piece = sink.piece(counts, Precision::F32).unwrap();
+        let PositionsMut::F32(positions) = piece.positions else { panic!("asked for f32") };
+        positions.fill([value; 3]);
+        piece.triangles.fill([value as u32; 3]);
+        assert_eq!(piece.triangles.len() as u64, 2 * vertices);
+    }
+
+    #[test]
+    fn a_refilled_mesh_holds_the_new_content_alone_in_the_old_memory() {
+        let mut mesh = TriMesh::with_normals();
+        fill(&mut mesh.refill(), 9, 1.0);
+        let memory = mesh.triangles.as_ptr();
+        let mut refill = mesh.refill();
+        fill(&mut refill, 2, 3.0);
+        fill(&mut refill, 4, 5.0);
+        drop(refill);
+        assert_eq!(mesh.counts(), Counts { vertices: 6, triangles: 12 });
+        assert_eq!((mesh.positions.get(1), mesh.positions.get(2)), ([3.0; 3], [5.0; 3]));
+        assert_eq!(mesh.normals.as_ref().unwrap().len(), 6);
+        assert_eq!(mesh.triangles.as_ptr(), memory);
+        drop(mesh.refill());
+        assert_eq!(mesh.counts(), Counts::default());
+    }
 }

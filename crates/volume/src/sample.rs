@@ -2,6 +2,7 @@
 
 use crate::Dtype;
 use bytemuck::Pod;
+use isokit_lanes::Lane;
 use std::{
     fmt::{Debug, Display},
     str::FromStr,
@@ -9,7 +10,7 @@ use std::{
 
 /// A type of sample: `u8 i8 u16 i16 u32 i32 f32 f64`, and no other.
 pub trait Sample:
-    Pod + PartialOrd + Debug + Display + FromStr + Default + Send + Sync + 'static + sealed::Sealed
+    Lane + Pod + Debug + Display + FromStr + Send + Sync + 'static + sealed::Sealed
 {
     /// The same type, as a value.
     const DTYPE: Dtype;

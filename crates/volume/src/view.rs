@@ -2,6 +2,7 @@
 
 use crate::{Grid, Sample, Scaling};
 use isokit_geom::Frame;
+use isokit_lanes::Samples;
 use std::ops::Range;
 
 /// Samples that lie in somebody else's memory, in any order of axes.
@@ -197,6 +198,11 @@ impl<'a, T: Sample> View<'a, T> {
             1 => Row::Contiguous(&self.samples[first..first + length]),
             stride => Row::Strided { samples: self.samples, first, stride, length },
         }
+    }
+
+    /// The same lattice as kernels take it. `None` if an axis has 2³¹ samples or more.
+    pub fn samples(&self) -> Option<Samples<'a, T>> {
+        Samples::new(self.samples, self.first, self.strides, self.dims)
     }
 
     #[inline(always)]

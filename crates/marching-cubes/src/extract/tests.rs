@@ -259,6 +259,10 @@ fn errors_say_whose_fault_it_is() {
     assert_eq!(error.to_string(), "the isovalue is NaN, which is no finite number");
     let error = of(0.0, Nan::Error, &Job::default());
     assert!(matches!(error, ExtractError::Nan { count: 1.., .. }), "{error}");
+    let endless = Grid::new([1 << 40, 2, 2], Frame::default()).unwrap();
+    let repeated = View::strided(&[1.0_f32; 4], 0, [0, 1, 2], &endless).unwrap();
+    let error = extract(&repeated, 0.5, &ExtractOptions::DEFAULT, &Job::default()).unwrap_err();
+    assert_eq!(error, ExtractError::TooLong { axis: 0, size: 1 << 40 });
     let limited = Job { limits: Limits { bytes: 500 }, ..Job::default() };
     let error = of(0.5, Nan::Outside, &limited);
     assert!(matches!(error, ExtractError::Stopped(Stopped::OverLimit(_))), "{error}");

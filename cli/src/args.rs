@@ -1,0 +1,161 @@
+//! What was typed. Every option is defined here or below, once: help, completions and man pages are made
+//! from the same definition.
+//!
+//! Parsing a word needs nothing but the word. Whether words fit together is for [`plan`](crate::plan) to
+//! say.
+
+mod choices;
+mod extract;
+mod output;
+mod values;
+mod volume;
+
+pub(crate) use choices::{
+    BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg, ProgressArg,
+    SpaceArg, TopologyArg,
+};
+pub(crate) use extract::ExtractArgs;
+pub(crate) use output::MeshOutputArgs;
+pub(crate) use values::{LevelArg, SampleType, Triple};
+pub(crate) use volume::VolumeArgs;
+
+use clap::{Args, Parser, Subcommand};
+use std::{num::NonZeroUsize, path::PathBuf};
+
+/// Turns scans and other volumes into meshes that are closed, oriented and in the right place.
+#[derive(Debug, Parser)]
+#[command(name = "isokit", version, max_term_width = 100, infer_long_args = false)]
+#[command(after_help = "\
+Example:
+  isokit extract ct.nii.gz --iso 300 -o bone.glb
+
+Exit status: 0 done, 1 it failed (the message says whose fault it is), 2 wrong usage,
+3 `check` found a shortfall, 130 interrupted.")]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) common: CommonArgs,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What every command takes.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Every command")]
+pub(crate) struct CommonArgs {
+    /// Threads to use [default: all]. The result does not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Whether to show on stderr how far the work is; auto: if that is a terminal
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
+    pub(crate) progress: ProgressArg,
+    /// Say nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say more: how long steps took, and what the mesh is as a surface
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
+    /// Write messages as JSON, one object a line, to stderr
+    #[arg(long, global = true)]
+    pub(crate) log_json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Say what a volume or mesh file holds
+    ///
+    /// Of a volume: sizes, sample type, place in the world, range, NaN, a histogram, and a first isovalue
+    /// to try. Of a mesh: its surfaces and their bounds.
+    #[command(after_help = "\
+Example:
+  isokit info ct.nii.gz")]
+    Info(InfoArgs),
+    /// Turn a volume into a mesh: the surface where the samples have a value
+    Extract(Box<ExtractArgs>),
+    /// Find out whether a mesh is closed, manifold, oriented and free of bad triangles
+    ///
+    /// Exit status 3 if it falls short of any; each shortfall is counted apart.
+    #[command(after_help = "\
+Example:
+  isokit check bone.glb")]
+    Check(CheckArgs),
+    /// Write a volume or a mesh in another format, chosen by the output's extension
+    #[command(after_help = "\
+Examples:
+  isokit convert scan.mha -o scan.nii.gz
+  isokit convert bone.stl -o bone.glb --gltf-unit mm
+
+Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; meshes become .glb .gltf .obj .ply .stl.")]
+    Convert(ConvertArgs),
+    /// Print a script that completes isokit's commands and options in a shell
+    #[command(after_help = "\
+Example:
+  isokit completions bash > ~/.local/share/bash-completion/completions/isokit")]
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write one page per command into a folder
+    #[command(after_help = "\
+Example:
+  isokit man ~/.local/share/man/man1")]
+    Man(ManArgs),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct InfoArgs {
+    /// The volume or mesh
+    pub(crate) file: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CheckArgs {
+    /// The mesh
+    pub(crate) mesh: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) weld: WeldArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ConvertArgs {
+    /// The volume or mesh
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) output: MeshOutputArgs,
+    /// Axes of the world to write coordinates in; source: the file's own
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) space: SpaceArg,
+    #[command(flatten)]
+    pub(crate) weld: WeldArgs,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+}
+
+/// What is done about vertices that a file repeats.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct WeldArgs {
+    /// Make one vertex of those no further apart than this, in the file's unit; 0: of those at exactly
+    /// the same place. STL, which repeats every vertex, is read as with 0
+    #[arg(long, value_name = "DISTANCE", value_parser = values::distance)]
+    pub(crate) weld: Option<f64>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ManArgs {
+    /// Folder for isokit.1, isokit-extract.1, …; without it the main page is printed
+    pub(crate) dir: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+//! Options with a few named answers, and what they mean to the library.
+
+use clap::ValueEnum;
+use isokit::{
+    io::Format,
+    marching_cubes::{Boundary, Degenerate, Nan},
+    pipeline::{Normals, TargetSpace},
+};
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProgressArg {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BoundaryArg {
+    /// Outside: the surface is closed by caps along the border
+    #[default]
+    Closed,
+    /// Nothing: the surface ends at the border
+    Open,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TopologyArg {
+    /// One fixed answer per case: always closed; may separate what the field joins
+    #[default]
+    Table,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlacementArg {
+    /// Where the straight line between two samples has the value
+    #[default]
+    Linear,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum NormalsArg {
+    /// The direction in which the samples fall
+    #[default]
+    Gradient,
+    /// The mean of the triangles around a vertex
+    Area,
+    /// None: a viewer shades triangles flat or makes its own
+    None,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DegenerateArg {
+    /// Vertices keep 2^-10 of an edge from samples, so that every triangle has an area
+    #[default]
+    Never,
+    /// Vertices lie where interpolation puts them; samples equal to the isovalue give triangles
+    /// without area
+    Exact,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum NanArg {
+    /// Stop, and say how many there are and where
+    #[default]
+    Error,
+    /// They are outside: the surface closes around them
+    Outside,
+    /// Cells that touch them have no surface: it has an open border there
+    Mask,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SpaceArg {
+    /// The file's own world
+    #[default]
+    Source,
+    /// x to the right, y to anterior, z to superior
+    Ras,
+    /// x to the left, y to posterior, z to superior
+    Lps,
+    /// Sample numbers, without unit
+    Index,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MeshFormat {
+    Glb,
+    Obj,
+    Ply,
+    Stl,
+}
+
+impl From<BoundaryArg> for Boundary {
+    fn from(arg: BoundaryArg) -> Self {
+        match arg {
+            BoundaryArg::Closed => Self::Closed,
+            BoundaryArg::Open => Self::Open,
+        }
+    }
+}
+
+impl From<NormalsArg> for Normals {
+    fn from(arg: NormalsArg) -> Self {
+        match arg {
+            NormalsArg::Gradient => Self::Gradient,
+            NormalsArg::Area => Self::Area,
+            NormalsArg::None => Self::None,
+        }
+    }
+}
+
+impl From<DegenerateArg> for Degenerate {
+    fn from(arg: DegenerateArg) -> Self {
+        match arg {
+            DegenerateArg::Never => Self::Never,
+            DegenerateArg::Exact => Self::Exact,
+        }
+    }
+}
+
+impl From<NanArg> for Nan {
+    fn from(arg: NanArg) -> Self {
+        match arg {
+            NanArg::Error => Self::Error,
+            NanArg::Outside => Self::Outside,
+            NanArg::Mask => Self::Mask,
+        }
+    }
+}
+
+impl From<SpaceArg> for TargetSpace {
+    fn from(arg: SpaceArg) -> Self {
+        match arg {
+            SpaceArg::Source => Self::Source,
+            SpaceArg::Ras => Self::Ras,
+            SpaceArg::Lps => Self::Lps,
+            SpaceArg::Index => Self::Index,
+        }
+    }
+}
+
+impl From<MeshFormat> for Format {
+    fn from(arg: MeshFormat) -> Self {
+        match arg {
+            MeshFormat::Glb => Self::Glb,
+            MeshFormat::Obj => Self::Obj,
+            MeshFormat::Ply => Self::Ply,
+            MeshFormat::Stl => Self::Stl,
+        }
+    }
+}

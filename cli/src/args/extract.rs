@@ -1,0 +1,73 @@
+//! The options of `extract`.
+
+use super::{
+    BoundaryArg, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg, PlacementArg,
+    SpaceArg, TopologyArg, VolumeArgs,
+};
+use clap::Args;
+use isokit::pipeline::Region;
+use std::{num::NonZeroUsize, path::PathBuf};
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  isokit extract ct.nii.gz --iso 300 -o bone.glb
+  isokit extract ct.nii.gz --iso -300:skin:#d8a58080 --iso 300:bone:#e8dcc0 -o head.glb
+  isokit extract scan.raw --dims 256,256,128 --dtype u16be --spacing 0.7,0.7,1.2 \\
+      --iso 900 -o tooth.ply
+  isokit extract ct.nii.gz --iso auto -o bone.stl --report bone.json
+
+Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`.")]
+pub(crate) struct ExtractArgs {
+    /// The volume
+    pub(crate) volume_file: PathBuf,
+    /// Value of the surface: a number, auto (Otsu's; printed), or a percentage of the range such as 50%.
+    /// A name and a colour may follow: V:name:#rrggbb[aa]. Repeat it for several surfaces in one file,
+    /// or, in PLY and STL, in several files
+    #[arg(long, required = true, value_name = "V[:NAME][:COLOR]", allow_hyphen_values = true)]
+    pub(crate) iso: Vec<LevelArg>,
+    #[command(flatten)]
+    pub(crate) output: MeshOutputArgs,
+    /// What lies beyond the border of the volume
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) boundary: BoundaryArg,
+    /// Which surface a cell gets when its corners allow several
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) topology: TopologyArg,
+    /// Where between two samples a vertex lies
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) placement: PlacementArg,
+    /// Which normals the vertices get
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) normals: NormalsArg,
+    /// Whether a vertex may coincide with a sample
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) degenerate: DegenerateArg,
+    /// What to do about samples that are NaN
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) nan: NanArg,
+    /// Part of the volume, in samples: x0:x1,y0:y1,z0:z1, upper ends not included; an end may be left
+    /// out
+    #[arg(long, value_name = "RANGES", value_parser = Region::parse_samples)]
+    #[arg(conflicts_with = "roi_mm")]
+    pub(crate) roi: Option<Region>,
+    /// Part of the volume, in coordinates of the output's world: the same with numbers; the samples
+    /// around that box are taken
+    #[arg(long, value_name = "RANGES", value_parser = Region::parse_world)]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) roi_mm: Option<Region>,
+    /// Axes of the world to write coordinates in
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) space: SpaceArg,
+    /// Write a report as JSON, to a file or to - for stdout
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Extract N times, each time into fresh memory, and report the median time and all times
+    #[arg(long, value_name = "N", requires = "report", conflicts_with = "repeat_warm")]
+    pub(crate) repeat: Option<NonZeroUsize>,
+    /// The same in the memory of an extraction before, which is not timed
+    #[arg(long, value_name = "N", requires = "report")]
+    pub(crate) repeat_warm: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+}

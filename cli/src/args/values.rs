@@ -1,0 +1,168 @@
+//! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
+
+use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
+use std::{any::type_name, str::FromStr};
+
+/// `x,y,z`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Triple<T>(pub(crate) [T; 3]);
+
+impl<T: FromStr> FromStr for Triple<T> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<T>> = text.split(',').map(|word| word.parse().ok()).collect();
+        let kind = if type_name::<T>() == type_name::<u64>() { "whole numbers" } else { "numbers" };
+        let triple = numbers.and_then(|numbers| numbers.try_into().ok()).map(Self);
+        triple.ok_or_else(|| format!("expected three {kind} x,y,z, found {text:?}"))
+    }
+}
+
+/// A sample type with its byte order: `u8`, `i16le`, `u16be`; little-endian if none is named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SampleType {
+    pub(crate) dtype: Dtype,
+    pub(crate) endian: Endian,
+}
+
+impl FromStr for SampleType {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, endian) = match (text.strip_suffix("be"), text.strip_suffix("le")) {
+            (Some(name), _) => (name, Endian::Big),
+            (_, Some(name)) => (name, Endian::Little),
+            _ => (text, Endian::Little),
+        };
+        let dtype = Dtype::from_name(name).ok_or_else(|| {
+            let names = Dtype::ALL.map(Dtype::name).join(" ");
+            format!("expected one of {names}, then le or be, found {text:?}")
+        })?;
+        Ok(Self { dtype, endian })
+    }
+}
+
+/// `V`, `V:name`, `V:#rrggbb[aa]` or `V:name:#rrggbb[aa]`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LevelArg {
+    pub(crate) iso: IsoChoice,
+    pub(crate) name: Option<String>,
+    pub(crate) color: Option<Rgba>,
+}
+
+impl FromStr for LevelArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (iso, rest) =
+            text.split_once(':').map_or((text, None), |(iso, rest)| (iso, Some(rest)));
+        let iso = iso.parse().map_err(|error| format!("{error}"))?;
+        let (name, color) = match rest {
+            None => (None, None),
+            Some(color) if color.starts_with('#') => (None, Some(color)),
+            Some(rest) => match rest.split_once(':') {
+                None => (Some(rest), None),
+                Some((name, color)) => (Some(name), Some(color)),
+            },
+        };
+        let name = name.map(surface_name).transpose()?;
+        let color = color.map(|color| color.parse().map_err(|error| format!("{error}")));
+        Ok(Self { iso, name, color: color.transpose()? })
+    }
+}
+
+fn surface_name(name: &str) -> Result<String, String> {
+    match name.trim() {
+        "" => Err("expected a name after the first colon, found none".into()),
+        name if name.contains(char::is_control) => {
+            Err(format!("expected a name in one line, found {name:?}"))
+        }
+        name => Ok(name.to_owned()),
+    }
+}
+
+/// A number that is not negative.
+pub(crate) fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| format!("expected a distance, 0 or more, found {text:?}"))
+}
+
+/// A known unit by its symbol.
+pub(crate) fn unit(text: &str) -> Result<Unit, String> {
+    let unit = Unit::from_symbol(text).filter(|unit| unit.metres().is_some());
+    unit.ok_or_else(|| {
+        let known = Unit::ALL.into_iter().filter(|(unit, _)| unit.metres().is_some());
+        let known: Vec<&str> = known.map(|(_, symbol)| symbol).collect();
+        format!("expected one of {}, found {text:?}", known.join(" "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LevelArg, SampleType, Triple, distance, unit};
+    use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
+
+    fn level(text: &str) -> Result<LevelArg, String> {
+        text.parse()
+    }
+
+    #[test]
+    fn a_level_is_a_value_with_or_without_name_and_colour() {
+        let (iso, skin) = (IsoChoice::Value(-300.0), Some("skin".to_owned()));
+        let color = Some(Rgba([0xd8, 0xa5, 0x80, 0x80]));
+        let expected = LevelArg { iso, name: skin.clone(), color };
+        assert_eq!(level("-300:skin:#d8a58080"), Ok(expected.clone()));
+        assert_eq!(level("-300:skin"), Ok(LevelArg { color: None, ..expected.clone() }));
+        assert_eq!(level("-300:#d8a58080"), Ok(LevelArg { name: None, ..expected }));
+        let auto = LevelArg { iso: IsoChoice::Auto, name: None, color: None };
+        assert_eq!(level("auto"), Ok(auto));
+        let percent = level("50%:half").unwrap();
+        assert_eq!(percent.iso, IsoChoice::Percent(50.0));
+    }
+
+    #[test]
+    fn a_level_that_is_none_is_refused_part_by_part() {
+        for (text, refusal) in [
+            ("bone:300", "expected a number, a percentage such as 50%, or auto, found \"bone\""),
+            ("300:", "expected a name after the first colon, found none"),
+            ("300:bone:red", "expected #rrggbb or #rrggbbaa, found \"red\""),
+            ("300:#12345", "expected #rrggbb or #rrggbbaa, found \"#12345\""),
+            ("300:a\nb", "expected a name in one line, found \"a\\nb\""),
+        ] {
+            assert_eq!(level(text).unwrap_err(), refusal);
+        }
+    }
+
+    #[test]
+    fn three_numbers_are_three_numbers() {
+        assert_eq!("256,256,128".parse(), Ok(Triple([256_u64, 256, 128])));
+        assert_eq!("0.7,-0.7,1e1".parse(), Ok(Triple([0.7, -0.7, 10.0])));
+        for text in ["", "1,2", "1,2,3,4", "1,2,x", "1 2 3", "1.5,2,3", "-1,2,3"] {
+            let refusal = format!("expected three whole numbers x,y,z, found {text:?}");
+            assert_eq!(text.parse::<Triple<u64>>(), Err(refusal));
+        }
+        let refusal = "expected three numbers x,y,z, found \"1,2\"".to_owned();
+        assert_eq!("1,2".parse::<Triple<f64>>(), Err(refusal));
+    }
+
+    #[test]
+    fn a_sample_type_may_name_its_byte_order() {
+        let read = |text: &str| text.parse().map(|t: SampleType| (t.dtype, t.endian));
+        assert_eq!(read("u16be"), Ok((Dtype::U16, Endian::Big)));
+        assert_eq!(read("i16le"), Ok((Dtype::I16, Endian::Little)));
+        assert_eq!(read("u8"), Ok((Dtype::U8, Endian::Little)));
+        let refusal = "expected one of u8 i8 u16 i16 u32 i32 f32 f64, then le or be, found \"i64\"";
+        assert_eq!(read("i64"), Err(refusal.to_owned()));
+    }
+
+    #[test]
+    fn units_and_distances_are_sound() {
+        assert_eq!(unit("mm"), Ok(Unit::Millimetre));
+        let refusal = "expected one of m cm mm um nm angstrom, found \"unknown\"";
+        assert_eq!(unit("unknown"), Err(refusal.to_owned()));
+        assert_eq!(distance("0"), Ok(0.0));
+        for text in ["-1", "nan", "inf", "x"] {
+            assert!(distance(text).unwrap_err().ends_with(&format!("found {text:?}")));
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! What a volume file does not say, or says wrongly.
+
+use super::{SampleType, Triple};
+use clap::Args;
+use isokit::io::{RawLayout, VolumeOptions};
+
+/// How the input is read.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Input volume")]
+pub(crate) struct VolumeArgs {
+    /// Samples along x, y, z of a file without a header; x is fastest
+    #[arg(long, value_name = "X,Y,Z", requires = "dtype")]
+    dims: Option<Triple<u64>>,
+    /// Sample type of a file without a header: u8 i8 u16 i16 u32 i32 f32 f64, then le (default) or be
+    #[arg(long, value_name = "TYPE", requires = "dims")]
+    dtype: Option<SampleType>,
+    /// Bytes to skip before the first sample of a file without a header
+    #[arg(long, value_name = "BYTES", requires = "dims")]
+    skip: Option<u64>,
+    /// Distances between samples along x, y, z, where the file gives none or wrong ones
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    spacing: Option<Triple<f64>>,
+    /// Place of the first sample, where the file gives none or a wrong one
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    origin: Option<Triple<f64>>,
+    /// Which volume of a file that holds several, counted from 0 [default: the first]
+    #[arg(long, value_name = "N")]
+    volume_index: Option<u64>,
+}
+
+impl VolumeArgs {
+    /// Whether none was given.
+    pub(crate) fn is_empty(&self) -> bool {
+        let Self { dims, dtype, skip, spacing, origin, volume_index } = self;
+        let raw = dims.is_some() || dtype.is_some() || skip.is_some();
+        !raw && spacing.is_none() && origin.is_none() && volume_index.is_none()
+    }
+
+    /// The same for the library.
+    pub(crate) fn options(&self) -> VolumeOptions {
+        let layout = |(dims, sample): (Triple<u64>, SampleType)| RawLayout {
+            dims: dims.0,
+            dtype: sample.dtype,
+            endian: sample.endian,
+            skip: self.skip.unwrap_or(0),
+        };
+        let mut options = VolumeOptions::default();
+        options.volume_index = self.volume_index;
+        options.raw = self.dims.zip(self.dtype).map(layout);
+        options.spacing = self.spacing.map(|spacing| spacing.0);
+        options.origin = self.origin.map(|origin| origin.0);
+        options
+    }
+}

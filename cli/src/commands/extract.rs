@@ -1,0 +1,193 @@
+//! `extract`: from a volume to a mesh.
+
+use super::check::sentence;
+use crate::{
+    Exit, Session,
+    plan::{ExtractPlan, LevelPlan, Repeat, Stream},
+    report::{
+        ExtractReport, MeshCounts, Skipped, SurfaceReport, Timings, VolumeFacts, median,
+        peak_rss_bytes, simd, timed, to_json,
+    },
+    text::counted,
+};
+use anyhow::{Context, Result};
+use isokit::{
+    io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
+    mesh::{Surface, TriMesh, topology},
+    pipeline::{IsoChoice, Scan},
+};
+use std::{io::Write, time::Instant};
+
+pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
+    let text = session.watching(|session| extract(plan, session))?;
+    match &plan.report {
+        None => {}
+        Some(Stream::Stdout) => session.out.write_all(text.as_bytes())?,
+        Some(Stream::File(path)) => {
+            let mut output = Output::create(path)?;
+            let written = output.write_all(text.as_bytes());
+            written.with_context(|| format!("{}: cannot write", path.display()))?;
+            output.finish()?;
+        }
+    }
+    Ok(Exit::Done)
+}
+
+/// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
+fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
+    let (start, mut timings) = (Instant::now(), Timings::default());
+    let scan = timed(&mut timings.read, || {
+        Scan::open(&plan.input, &plan.volume, plan.space, &plan.region, &session.job)
+    })?;
+    scan.notes().iter().for_each(|note| session.console.note(note));
+    let isos = isos(plan, &scan, session)?;
+    let meshes = meshes(plan, &scan, &isos, &mut timings, session)?;
+    let surfaces = surfaces(&plan.levels, &isos, meshes);
+    for surface in &surfaces {
+        tell(plan, &scan, surface, session)?;
+    }
+    let written = timed(&mut timings.write, || write(plan, &scan, &surfaces, session))?;
+    timings.total = start.elapsed().as_secs_f64();
+    written.warnings.iter().for_each(|warning| session.console.warn(warning));
+    for file in &written.files {
+        session.console.info(&format!("wrote {}", file.display()));
+    }
+    let Timings { read, extract, write, total, .. } = timings;
+    session.console.detail(&format!(
+        "read {read:.3} s, extract {extract:.3} s, write {write:.3} s, total {total:.3} s"
+    ));
+    if plan.report.is_none() && !session.console.is_verbose() {
+        return Ok(String::new());
+    }
+    report(plan, &scan, &surfaces, &written, timings, session)
+}
+
+/// The isovalues that were meant. What was chosen for the user is told.
+fn isos(plan: &ExtractPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<Vec<f64>> {
+    let iso = |level: &LevelPlan| {
+        let iso = scan.iso(level.iso, &session.job)?;
+        if !matches!(level.iso, IsoChoice::Value(_)) {
+            session.console.note(&format!("--iso {} is {iso} here", level.iso));
+        }
+        Ok(iso)
+    };
+    plan.levels.iter().map(iso).collect()
+}
+
+/// A mesh for each isovalue, made as often as was asked for.
+fn meshes(
+    plan: &ExtractPlan,
+    scan: &Scan,
+    isos: &[f64],
+    timings: &mut Timings,
+    session: &Session<'_, '_>,
+) -> Result<Vec<TriMesh>> {
+    let make = |meshes: &mut Vec<TriMesh>| {
+        for (mesh, &iso) in meshes.iter_mut().zip(isos) {
+            scan.mesh_into(iso, &plan.surface, mesh, &session.job)?;
+        }
+        Ok::<(), anyhow::Error>(())
+    };
+    let fresh = || vec![TriMesh::default(); isos.len()];
+    let (runs, is_warm) = match plan.repeat {
+        Repeat::Once => (1, false),
+        Repeat::Cold(runs) => (runs.get(), false),
+        Repeat::Warm(runs) => (runs.get(), true),
+    };
+    let (mut meshes, mut all) = (fresh(), vec![]);
+    if is_warm {
+        make(&mut meshes)?;
+    }
+    for _ in 0..runs {
+        if !is_warm {
+            meshes = fresh(); // what the last run took goes back before the clock starts
+        }
+        let mut seconds = 0.0;
+        timed(&mut seconds, || make(&mut meshes))?;
+        all.push(seconds);
+    }
+    timings.extract = median(&all);
+    timings.extract_all = (plan.repeat != Repeat::Once).then_some(all);
+    Ok(meshes)
+}
+
+/// The meshes with what files say of them.
+fn surfaces(levels: &[LevelPlan], isos: &[f64], meshes: Vec<TriMesh>) -> Vec<Surface> {
+    let surface = |((level, &iso), mesh): ((&LevelPlan, &f64), TriMesh)| {
+        let name = level.name.clone().unwrap_or_else(|| format!("iso_{iso}"));
+        Surface { name, color: level.color, iso: Some(iso), mesh }
+    };
+    levels.iter().zip(isos).zip(meshes).map(surface).collect()
+}
+
+/// Says how large a surface is, and what is peculiar about it.
+fn tell(
+    plan: &ExtractPlan,
+    scan: &Scan,
+    surface: &Surface,
+    session: &Session<'_, '_>,
+) -> Result<()> {
+    let counts = surface.mesh.counts();
+    let vertices = counted(counts.vertices, "vertex", "vertices");
+    let triangles = counted(counts.triangles, "triangle", "triangles");
+    session.console.info(&format!("{}: {vertices}, {triangles}", surface.name));
+    let iso = surface.iso.unwrap_or(f64::NAN);
+    let remark = scan.remark(iso, counts, &plan.surface, &session.job)?;
+    remark.iter().for_each(|remark| session.console.warn(&remark.to_string()));
+    Ok(())
+}
+
+fn write(
+    plan: &ExtractPlan,
+    scan: &Scan,
+    surfaces: &[Surface],
+    session: &mut Session<'_, '_>,
+) -> Result<Written> {
+    let context =
+        MeshContext { gltf_unit: plan.target.gltf_unit, ..scan.context(session.command.as_str()) };
+    Ok(match &plan.target.stream {
+        Stream::File(path) => write_mesh(path, surfaces, &context, &session.job)?,
+        Stream::Stdout => {
+            write_mesh_to(session.out, plan.target.format, surfaces, &context, &session.job)
+                .map_err(|fault| fault.at("stdout"))?
+        }
+    })
+}
+
+fn report(
+    plan: &ExtractPlan,
+    scan: &Scan,
+    surfaces: &[Surface],
+    written: &Written,
+    timings_s: Timings,
+    session: &Session<'_, '_>,
+) -> Result<String> {
+    let peak_rss_bytes = peak_rss_bytes(); // of the work, not of the report
+    let mut of_surfaces = vec![];
+    for surface in surfaces {
+        let found = topology(&surface.mesh, &session.job)?;
+        let counts = sentence(&MeshCounts::of(&found));
+        session.console.detail(&format!("{}: {counts}", surface.name));
+        of_surfaces.push(SurfaceReport::of(surface, &found));
+    }
+    let report = ExtractReport {
+        schema: ExtractReport::SCHEMA,
+        command: &session.command,
+        input: VolumeFacts::of(&plan.input, scan, &scan.statistics(&session.job)?),
+        surfaces: of_surfaces,
+        outputs: &written.files,
+        warnings: &written.warnings,
+        merged_vertices: written.merged_vertices,
+        skipped: Skipped {
+            bricks: 0,
+            bricks_skipped: 0,
+            samples_read: scan.volume().grid().count(),
+        },
+        timings_s,
+        threads: session.job.threads.count(),
+        simd: simd(),
+        peak_rss_bytes,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    Ok(to_json(&report)?)
+}

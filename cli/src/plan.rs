@@ -1,0 +1,14 @@
+//! What will be done. Nothing is opened before the plan is whole: whatever can be known to fail from the
+//! words alone, or from the folders they name, fails here, before gigabytes are read.
+
+mod convert;
+mod extract;
+mod palette;
+mod target;
+
+pub(crate) use convert::{ConvertPlan, ConvertTo};
+pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
+pub(crate) use target::{MeshTarget, Stream, TextTarget};
+
+#[cfg(test)]
+mod tests;

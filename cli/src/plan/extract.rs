@@ -1,0 +1,93 @@
+//! What `extract` will do.
+
+use super::{MeshTarget, Stream, TextTarget, palette};
+use crate::{
+    args::{ExtractArgs, LevelArg, PlacementArg, TopologyArg},
+    fault::UsageError,
+};
+use anyhow::Result;
+use isokit::{
+    io::VolumeOptions,
+    marching_cubes::ExtractOptions,
+    mesh::Rgba,
+    pipeline::{IsoChoice, Region, SurfaceOptions, TargetSpace},
+};
+use std::{num::NonZeroUsize, path::PathBuf};
+
+/// Everything that `extract` needs to know.
+#[derive(Debug)]
+pub(crate) struct ExtractPlan {
+    pub(crate) input: PathBuf,
+    pub(crate) volume: VolumeOptions,
+    pub(crate) region: Region,
+    pub(crate) space: TargetSpace,
+    pub(crate) levels: Vec<LevelPlan>,
+    pub(crate) surface: SurfaceOptions,
+    pub(crate) target: MeshTarget,
+    pub(crate) report: Option<TextTarget>,
+    pub(crate) repeat: Repeat,
+}
+
+/// One surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LevelPlan {
+    pub(crate) iso: IsoChoice,
+    /// If there is none, the surface is named by its isovalue.
+    pub(crate) name: Option<String>,
+    pub(crate) color: Option<Rgba>,
+}
+
+/// How often the same is extracted, for its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Repeat {
+    Once,
+    /// Each time into fresh memory.
+    Cold(NonZeroUsize),
+    /// Each time into used memory.
+    Warm(NonZeroUsize),
+}
+
+impl ExtractPlan {
+    pub(crate) fn new(args: ExtractArgs) -> Result<Self> {
+        let target = MeshTarget::new(&args.output, args.iso.len())?;
+        let report = args.report.as_deref().map(Stream::named).transpose()?;
+        if report == Some(Stream::Stdout) && target.stream == Stream::Stdout {
+            let says = "mesh and report cannot both go to stdout: name a file for one of them";
+            return Err(UsageError(says.into()).into());
+        }
+        // One answer each, so far: a new one must be handed on here.
+        let (TopologyArg::Table, PlacementArg::Linear) = (args.topology, args.placement);
+        let extract = ExtractOptions::DEFAULT
+            .with_boundary(args.boundary.into())
+            .with_degenerate(args.degenerate.into())
+            .with_nan(args.nan.into());
+        let surface =
+            SurfaceOptions::default().with_extract(extract).with_normals(args.normals.into());
+        let repeat = match (args.repeat, args.repeat_warm) {
+            (_, Some(times)) => Repeat::Warm(times),
+            (Some(times), None) => Repeat::Cold(times),
+            (None, None) => Repeat::Once,
+        };
+        Ok(Self {
+            volume: args.volume.options(),
+            input: args.volume_file,
+            region: args.roi.or(args.roi_mm).unwrap_or_default(),
+            space: args.space.into(),
+            levels: levels(args.iso),
+            surface,
+            target,
+            report,
+            repeat,
+        })
+    }
+}
+
+/// Of several surfaces each gets a colour. A single one is left to the viewer.
+fn levels(args: Vec<LevelArg>) -> Vec<LevelPlan> {
+    let is_one = args.len() == 1;
+    let plan = |(n, LevelArg { iso, name, color }): (usize, LevelArg)| {
+        let default = (!is_one).then(|| palette::color(n));
+        LevelPlan { iso, name, color: color.or(default) }
+    };
+    args.into_iter().enumerate().map(plan).collect()
+}

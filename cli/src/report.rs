@@ -1,0 +1,58 @@
+//! The facts, as the JSON that scripts read. Keys may be added, never renamed.
+//!
+//! A number that is not finite is `null`, since JSON has none.
+
+mod layout;
+mod mesh;
+mod system;
+mod timings;
+mod volume;
+
+use layout::Layout;
+pub(crate) use mesh::{CheckReport, MeshCounts, MeshReport, SurfaceBrief, SurfaceReport, around};
+pub(crate) use system::{peak_rss_bytes, simd};
+pub(crate) use timings::{Timings, median, timed};
+pub(crate) use volume::{VolumeFacts, VolumeReport};
+
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What `extract --report` writes.
+#[derive(Debug, Serialize)]
+pub(crate) struct ExtractReport<'a> {
+    pub(crate) schema: &'static str,
+    pub(crate) command: &'a str,
+    pub(crate) input: VolumeFacts,
+    pub(crate) surfaces: Vec<SurfaceReport>,
+    pub(crate) outputs: &'a [PathBuf],
+    pub(crate) warnings: &'a [String],
+    /// Vertices that a reader will take for one, because the format rounds their places to the same.
+    pub(crate) merged_vertices: u64,
+    pub(crate) skipped: Skipped,
+    pub(crate) timings_s: Timings,
+    pub(crate) threads: usize,
+    pub(crate) simd: &'static str,
+    pub(crate) peak_rss_bytes: Option<u64>,
+    pub(crate) version: &'static str,
+}
+
+impl ExtractReport<'_> {
+    pub(crate) const SCHEMA: &'static str = "isokit.extract/1";
+}
+
+/// What was not computed because no output needs it.
+#[derive(Debug, Serialize)]
+pub(crate) struct Skipped {
+    pub(crate) bricks: u64,
+    pub(crate) bricks_skipped: u64,
+    pub(crate) samples_read: u64,
+}
+
+/// The object as text.
+pub(crate) fn to_json(report: &impl Serialize) -> serde_json::Result<String> {
+    let mut text = vec![];
+    let mut serializer = serde_json::Serializer::with_formatter(&mut text, Layout::default());
+    report.serialize(&mut serializer)?;
+    text.push(b'\n');
+    Ok(String::from_utf8_lossy(&text).into_owned())
+}

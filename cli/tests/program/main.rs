@@ -1,0 +1,10 @@
+//! The program from words to bytes: every command on small volumes, written here.
+
+mod check;
+mod convert;
+mod extract;
+mod failures;
+mod info;
+mod kit;
+mod report;
+mod streams;

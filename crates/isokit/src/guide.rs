@@ -1,0 +1,16 @@
+//! The guide. Every program in it is a test.
+
+/// From a scan to a mesh, with the program and with the library.
+pub mod first_mesh {
+    #![doc = include_str!("guide/first-mesh.md")]
+}
+
+/// What holds for every mesh, and which tests hold it to that.
+pub mod guarantees {
+    #![doc = include_str!("guide/guarantees.md")]
+}
+
+/// Files, axes and units.
+pub mod formats {
+    #![doc = include_str!("guide/formats.md")]
+}

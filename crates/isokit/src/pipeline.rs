@@ -1,0 +1,28 @@
+//! From a scan in a file to meshes in a file, step by step.
+//!
+//! | step | function |
+//! | --- | --- |
+//! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
+//! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
+//! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
+//! | extract | [`Scan::mesh`], with normals |
+//! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
+//!
+//! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
+//! what a user should know comes back as a value ([`Scan::notes`], [`Remark`]).
+
+mod error;
+mod iso;
+mod region;
+mod remark;
+mod scan;
+mod surface;
+mod target;
+
+pub use error::PipelineError;
+pub use iso::{IsoChoice, ParseIsoError};
+pub use region::{ParseRegionError, Region, RegionError, Span};
+pub use remark::Remark;
+pub use scan::Scan;
+pub use surface::{Normals, SurfaceOptions};
+pub use target::{TargetSpace, UnknownSpace};

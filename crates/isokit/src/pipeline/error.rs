@@ -1,0 +1,50 @@
+//! Why there is no mesh, step by step. An empty mesh is a result, not an error.
+
+use crate::pipeline::{IsoChoice, RegionError, UnknownSpace};
+use isokit_io::{ReadError, WriteError};
+use isokit_job::{Cancelled, OverLimit, Stopped};
+use isokit_marching_cubes::ExtractError;
+
+/// Why a step from scan to mesh failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The scan could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The caller's choice: axes that nobody knows.
+    #[error(transparent)]
+    Space(#[from] UnknownSpace),
+    /// The caller's choice: a part that the volume does not have.
+    #[error(transparent)]
+    Region(#[from] RegionError),
+    /// The data's fault: nothing to choose an isovalue by.
+    #[error("{choice} gives no isovalue: {reason}")]
+    Iso {
+        /// How it was to be found.
+        choice: IsoChoice,
+        /// Why it was not.
+        reason: &'static str,
+    },
+    /// There is no surface; places are sample numbers of the whole volume.
+    #[error(transparent)]
+    Extract(#[from] ExtractError),
+    /// The mesh could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The caller's choice: cancelled, or more memory than allowed.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl From<Cancelled> for PipelineError {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Stopped(cancelled.into())
+    }
+}
+
+impl From<OverLimit> for PipelineError {
+    fn from(over: OverLimit) -> Self {
+        Self::Stopped(over.into())
+    }
+}

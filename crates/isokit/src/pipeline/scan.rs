@@ -1,0 +1,268 @@
+//! A volume on its way to a mesh.
+
+use crate::pipeline::{
+    IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions, TargetSpace,
+    UnknownSpace,
+};
+use isokit_geom::Frame;
+use isokit_io::{Format, MeshContext, VolumeOptions, open_volume};
+use isokit_job::{Cancelled, Job};
+use isokit_marching_cubes::{ExtractError, extract_into};
+use isokit_mesh::{Counts, TriMesh, area_normals};
+use isokit_volume::{AnyVolume, Histogram, Sample, Statistics, View, Volume, for_any};
+use std::{ops::Range, path::Path, sync::OnceLock};
+
+/// A volume, the part of it that is looked at, and what was found out about that part so far.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    volume: AnyVolume,
+    part: [Range<usize>; 3],
+    format: Option<Format>,
+    notes: Vec<String>,
+    statistics: OnceLock<Statistics>,
+    histogram: OnceLock<Option<Histogram>>,
+}
+
+impl Scan {
+    /// Reads a scan from a file, all of it, where the file says it is.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read.
+    pub fn read(path: impl AsRef<Path>, job: &Job) -> Result<Self, PipelineError> {
+        let (options, space) = (VolumeOptions::default(), TargetSpace::Source);
+        Self::open(path.as_ref(), &options, space, &Region::Whole, job)
+    }
+
+    /// Reads a scan from a file. Whether it has the part, and axes that can be turned, is found out
+    /// before the samples are read.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or is not what the caller thinks it is.
+    pub fn open(
+        path: &Path,
+        options: &VolumeOptions,
+        space: TargetSpace,
+        region: &Region,
+        job: &Job,
+    ) -> Result<Self, PipelineError> {
+        let file = open_volume(path, options, job)?;
+        let mut grid = *file.grid();
+        grid.frame = space.place(grid.frame)?;
+        region.samples(&grid)?;
+        let (format, notes) = (file.format(), file.notes().to_vec());
+        let scan = Self::new(file.collect(job)?).placed(space)?.cropped(region)?;
+        Ok(Self { format: Some(format), notes, ..scan })
+    }
+
+    /// Samples from elsewhere, all of them, where they are.
+    pub fn new(volume: impl Into<AnyVolume>) -> Self {
+        let volume = volume.into();
+        // What is in memory is numbered by its address space.
+        let part = volume.grid().dims().map(|n| 0..n as usize);
+        let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
+        Self { volume, part, format: None, notes: vec![], statistics, histogram }
+    }
+
+    /// The same scan in another world.
+    ///
+    /// # Errors
+    ///
+    /// If RAS or LPS is wanted and the scan does not say which way its axes point.
+    pub fn placed(mut self, space: TargetSpace) -> Result<Self, UnknownSpace> {
+        self.volume.set_frame(space.place(self.volume.grid().frame)?);
+        Ok(self)
+    }
+
+    /// A part of the scan. Every sample stays where it was.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such part.
+    pub fn cropped(self, region: &Region) -> Result<Self, RegionError> {
+        let part = region.samples(self.volume.grid())?;
+        let part = part.map(|range| range.start as usize..range.end as usize);
+        Ok(Self { part, statistics: OnceLock::new(), histogram: OnceLock::new(), ..self })
+    }
+
+    /// The whole volume, of which a part may be looked at.
+    pub fn volume(&self) -> &AnyVolume {
+        &self.volume
+    }
+
+    /// The samples that are looked at, along x, y, z.
+    pub fn part(&self) -> [Range<usize>; 3] {
+        self.part.clone()
+    }
+
+    /// Whether not all samples are looked at.
+    pub fn is_cropped(&self) -> bool {
+        self.part.iter().zip(self.volume.grid().dims()).any(|(part, n)| part.len() as u64 != n)
+    }
+
+    /// Index space of the whole volume to world space.
+    pub fn frame(&self) -> &Frame {
+        &self.volume.grid().frame
+    }
+
+    /// What a file says of the world of this scan's meshes, and of the command that made them.
+    pub fn context(&self, command: impl Into<String>) -> MeshContext {
+        let (unit, space) = (self.frame().unit, self.frame().space);
+        MeshContext { unit, space, command: command.into(), gltf_unit: None }
+    }
+
+    /// What the file was, if there was one.
+    pub fn format(&self) -> Option<Format> {
+        self.format
+    }
+
+    /// What was assumed, overridden or ignored on reading, each a sentence for the user.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Range and NaN of the part. Looked for once.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled.
+    pub fn statistics(&self, job: &Job) -> Result<Statistics, Cancelled> {
+        if let Some(known) = self.statistics.get() {
+            return Ok(*known);
+        }
+        let found = for_any!(&self.volume, volume => Statistics::of(&self.view(volume), job))?;
+        Ok(*self.statistics.get_or_init(|| found))
+    }
+
+    /// How often each value occurs in the part; `None` if none is finite. Counted once.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled.
+    pub fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, Cancelled> {
+        if let Some(known) = self.histogram.get() {
+            return Ok(known.as_ref());
+        }
+        let range = self.statistics(job)?;
+        let found =
+            for_any!(&self.volume, volume => Histogram::of(&self.view(volume), &range, job))?;
+        Ok(self.histogram.get_or_init(|| found).as_ref())
+    }
+
+    /// The isovalue that was meant.
+    ///
+    /// # Errors
+    ///
+    /// If the samples give none, or if the job is cancelled.
+    pub fn iso(&self, choice: IsoChoice, job: &Job) -> Result<f64, PipelineError> {
+        let none = |reason| PipelineError::Iso { choice, reason };
+        match choice {
+            IsoChoice::Value(iso) => Ok(iso),
+            IsoChoice::Auto => {
+                let histogram = self.histogram(job)?.ok_or(none("no sample is finite"))?;
+                histogram.otsu().ok_or(none("all samples have one value"))
+            }
+            IsoChoice::Percent(percent) => {
+                let range = self.finite_range(job)?.ok_or(none("no sample is finite"))?;
+                let part = percent / 100.0;
+                // The difference of two finite values may not be finite.
+                Ok(range[0] * (1.0 - part) + range[1] * part)
+            }
+        }
+    }
+
+    fn finite_range(&self, job: &Job) -> Result<Option<[f64; 2]>, Cancelled> {
+        let statistics = self.statistics(job)?;
+        if statistics.infinite == 0 {
+            return Ok(statistics.range);
+        }
+        // Infinite samples are in no bin; those that are in one reach half a bin beyond its middle.
+        Ok(self.histogram(job)?.map(|histogram| {
+            let half = histogram.width / 2.0;
+            let last = histogram.middle(histogram.counts.len() - 1);
+            [histogram.first - half, last + half]
+        }))
+    }
+
+    /// The surface where the value is `iso`.
+    ///
+    /// # Errors
+    ///
+    /// If the isovalue is not finite, if there is NaN and the options forbid it, if 32 bits cannot
+    /// number the vertices, or if the job is cancelled or allows less memory.
+    pub fn mesh(
+        &self,
+        iso: f64,
+        options: &SurfaceOptions,
+        job: &Job,
+    ) -> Result<TriMesh, PipelineError> {
+        let mut mesh = TriMesh::default();
+        self.mesh_into(iso, options, &mut mesh, job)?;
+        Ok(mesh)
+    }
+
+    /// The same in the memory of a used mesh.
+    ///
+    /// # Errors
+    ///
+    /// As [`mesh`](Self::mesh).
+    pub fn mesh_into(
+        &self,
+        iso: f64,
+        options: &SurfaceOptions,
+        mesh: &mut TriMesh,
+        job: &Job,
+    ) -> Result<(), PipelineError> {
+        match options.normals {
+            Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
+            Normals::Area | Normals::None => mesh.normals = None,
+        }
+        let extracted = for_any!(&self.volume, volume => {
+            extract_into(&self.view(volume), iso, &options.extract, &mut mesh.refill(), job)
+        });
+        extracted.map_err(|error| self.in_whole(error))?;
+        if options.normals == Normals::Area {
+            area_normals(mesh, job)?;
+        }
+        Ok(())
+    }
+
+    /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the
+    /// samples only where the counts raise the question.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled.
+    pub fn remark(
+        &self,
+        iso: f64,
+        counts: Counts,
+        options: &SurfaceOptions,
+        job: &Job,
+    ) -> Result<Option<Remark>, Cancelled> {
+        let dims = self.part.each_ref().map(|range| range.len());
+        if !Remark::is_worth_a_look(counts, dims, options.extract.boundary) {
+            return Ok(None);
+        }
+        Ok(Remark::of(iso, counts, dims, options, &self.statistics(job)?))
+    }
+
+    fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
+        volume.view().part(self.part.clone()).expect("the part was checked against the volume")
+    }
+
+    /// The same error with sample numbers of the whole volume instead of the part.
+    fn in_whole(&self, error: ExtractError) -> ExtractError {
+        match error {
+            ExtractError::Nan { count, first } => {
+                let first = std::array::from_fn(|axis| first[axis] + self.part[axis].start);
+                ExtractError::Nan { count, first }
+            }
+            other => other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,72 @@
+//! Every loop against the definition, sample by sample.
+
+use super::{Lane, Threshold, nans, signs, signs_at, words};
+use crate::Level;
+use std::fmt::Debug;
+
+fn by_definition<T: Copy>(row: &[T], holds: impl Fn(T) -> bool) -> Vec<u64> {
+    let mut bits = vec![0; words(row.len())];
+    for (i, _) in row.iter().enumerate().filter(|&(_, &sample)| holds(sample)) {
+        bits[i / 64] |= 1 << (i % 64);
+    }
+    bits
+}
+
+/// `sample` makes samples from chance; few different ones, so that many are equal to a bound.
+fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
+    let mut state = 7_u64;
+    let mut next = || {
+        state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
+        sample(state >> 33)
+    };
+    for length in 0..=200 {
+        // As far into a longer row as makes every alignment occur.
+        let row: Vec<T> = (0..length + 64).map(|_| next()).collect();
+        let row = &row[length * 7 % 64..][..length];
+        let mut found = vec![u64::MAX; words(length)];
+        for &bound in bounds {
+            for threshold in [Threshold::AtLeast(bound), Threshold::AtMost(bound), Threshold::Never]
+            {
+                let expected = by_definition(row, |sample| threshold.is_inside(sample));
+                for &level in Level::available() {
+                    found.fill(u64::MAX);
+                    signs_at(level, row, threshold, &mut found);
+                    assert_eq!(found, expected, "{level}, {length} samples, {threshold:?}");
+                }
+            }
+        }
+        nans(row, &mut found);
+        let nan = |sample: T| sample.partial_cmp(&sample).is_none();
+        assert_eq!(found, by_definition(row, nan), "{length} samples");
+    }
+}
+
+#[test]
+fn every_level_agrees_with_the_definition_for_whole_numbers() {
+    check(&[0_u8, 1, 127, 128, 254, 255], |r| [0, 1, 127, 128, 129, 255][r as usize % 6]);
+    check(&[i8::MIN, -1, 0, 1, i8::MAX], |r| r as i8);
+    check(&[0_u16, 0x7FFF, 0x8000, 0xFFFF], |r| [0, 0x7FFF, 0x8000, 0xFFFF][r as usize % 4]);
+    check(&[i16::MIN, -1, 0, i16::MAX], |r| [i16::MIN, -1, 0, i16::MAX, -300][r as usize % 5]);
+    check(&[0_u32, 1 << 31, u32::MAX], |r| [0, 1, 1 << 31, u32::MAX][r as usize % 4]);
+    check(&[i32::MIN, 0, i32::MAX], |r| [i32::MIN, -1, 0, i32::MAX][r as usize % 4]);
+}
+
+#[test]
+fn every_level_agrees_with_the_definition_for_floats() {
+    const ODD: [f64; 8] = [f64::NAN, -0.0, 0.0, 1.0, -1.0, f64::INFINITY, 1e-310, -f64::INFINITY];
+    check(&[0.0, -0.0, 1.0, f64::INFINITY, -f64::INFINITY, 1e-310], |r| ODD[r as usize % 8]);
+    check(&[0.0_f32, 1e-40, -1.0, f32::MAX], |r| match r % 3 {
+        0 => f32::from_bits(r as u32),
+        1 => [0.0, -0.0, 1e-40, f32::NAN][r as usize / 3 % 4],
+        _ => ODD[r as usize % 8] as f32,
+    });
+}
+
+#[test]
+fn a_tie_is_inside_and_nan_is_not() {
+    let mut word = [0];
+    signs(&[1.0, f64::NAN, -0.0, 0.0], Threshold::AtLeast(0.0), &mut word);
+    assert_eq!(word, [0b1101]);
+    signs(&[1.0, f64::NAN, -0.0, 0.0], Threshold::AtMost(0.0), &mut word);
+    assert_eq!(word, [0b1100]);
+}

@@ -1,0 +1,52 @@
+//! Chance that is the same everywhere and every time.
+
+/// SplitMix64 (Steele, Lea & Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+#[derive(Clone, Debug)]
+pub struct Chance(u64);
+
+impl Chance {
+    /// The sequence that belongs to `seed`.
+    pub const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next 64 bits.
+    pub const fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ mixed >> 31
+    }
+
+    /// A whole number from 0 to below `end`, which is small.
+    pub const fn below(&mut self, end: u64) -> u64 {
+        ((self.bits() >> 32) * end) >> 32
+    }
+
+    /// A number from 0 to below 1, a multiple of 2⁻⁵³.
+    pub const fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Chance;
+
+    #[test]
+    fn the_sequence_is_the_published_one() {
+        let mut chance = Chance::new(1_234_567);
+        let expected = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973];
+        assert_eq!([chance.bits(), chance.bits()], expected);
+    }
+
+    #[test]
+    fn numbers_stay_below_their_end_and_reach_all_below_it() {
+        let mut chance = Chance::new(7);
+        let mut seen = [0; 7];
+        (0..7000).for_each(|_| seen[chance.below(7) as usize] += 1);
+        assert!(seen.iter().all(|&n| n > 800), "{seen:?}");
+        assert!((0..1000).all(|_| (0.0..1.0).contains(&chance.unit())));
+    }
+}
