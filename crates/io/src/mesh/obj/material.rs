@@ -6,7 +6,7 @@ use crate::mesh::{NEUTRAL, facts::MAKER};
 use isokit_mesh::{Rgba, Surface};
 use std::{collections::HashMap, fmt::Write};
 
-/// One material for each surface. `Kd` is sRGB, as Blender and MeshLab take it.
+/// One material for each surface. `Kd` is sRGB, as is the custom; Blender takes it for linear light.
 pub(super) fn text(surfaces: &[Surface], names: &[String]) -> String {
     let mut text = format!("# {MAKER}\n");
     for (surface, name) in surfaces.iter().zip(names) {

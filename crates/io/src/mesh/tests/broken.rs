@@ -4,6 +4,7 @@ use crate::{
     Format,
     mesh::kit::{STREAMS, context, read, surface, written},
 };
+use proptest::{collection::vec, option, prelude::*, sample::Index};
 
 /// A small file of each kind that a reader must tell from others.
 fn files() -> Vec<(Format, Vec<u8>)> {
@@ -81,6 +82,23 @@ fn nothing_and_anything_are_refused() {
         for bytes in [&b""[..], b"\n", b"hello", &[0xff; 200]] {
             let error = read(format, bytes).unwrap_err().to_string();
             assert!(error.starts_with(&format!("test: {format}")), "{error}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn several_wrong_bytes_do_not_panic(
+        edits in vec((any::<Index>(), prop_oneof![any::<u8>(), Just(b'9'), Just(b' '), Just(255)]), 1..6),
+        end in option::of(any::<Index>()),
+    ) {
+        for (format, mut bytes) in files() {
+            for (at, byte) in &edits {
+                let at = at.index(bytes.len());
+                bytes[at] = *byte;
+            }
+            let end = end.map_or(bytes.len(), |end| end.index(bytes.len()));
+            let _ = read(format, &bytes[..end]);
         }
     }
 }
