@@ -131,16 +131,21 @@ fn of_extract(error: &ExtractError) -> Fault {
 fn of_read(fault: &ReadFault) -> Fault {
     match fault {
         ReadFault::Io(error) => of_system(error),
-        ReadFault::Broken { .. } | ReadFault::Truncated { .. } => Fault::File(
-            "get or make it again; sound samples are read with --dims, --dtype and --skip",
-        ),
+        ReadFault::Broken { format, .. } | ReadFault::Truncated { format, .. } => {
+            Fault::File(match format.is_volume() {
+                true => {
+                    "get or make it again; sound samples are read with --dims, --dtype and --skip"
+                }
+                false => "get or make it again",
+            })
+        }
         ReadFault::Unsupported { .. } => {
             Fault::Ours("convert the file with the program that made it")
         }
         ReadFault::OverLimit(_) => Fault::System("it has not so much memory"),
-        ReadFault::Caller(_) => {
-            Fault::Caller("say what the file is; `isokit info --help` shows how")
-        }
+        ReadFault::Caller(_) => Fault::Caller(
+            "`isokit info` shows what a file is, and `isokit info --help` how to describe one",
+        ),
         ReadFault::Cancelled(_) => Fault::Interrupted,
         _ => Fault::Ours("this should not happen; please report it"),
     }

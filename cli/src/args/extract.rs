@@ -29,44 +29,45 @@ pub(crate) struct ExtractArgs {
     #[command(flatten)]
     pub(crate) output: MeshOutputArgs,
     /// What lies beyond the border of the volume
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) boundary: BoundaryArg,
     /// Which surface a cell gets when its corners allow several
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) topology: TopologyArg,
     /// Where between two samples a vertex lies
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) placement: PlacementArg,
     /// Which normals the vertices get
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) normals: NormalsArg,
     /// Whether a vertex may coincide with a sample
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) degenerate: DegenerateArg,
     /// What to do about samples that are NaN
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) nan: NanArg,
     /// Part of the volume, in samples: x0:x1,y0:y1,z0:z1, upper ends not included; an end may be left
     /// out
     #[arg(long, value_name = "RANGES", value_parser = Region::parse_samples)]
-    #[arg(conflicts_with = "roi_mm")]
+    #[arg(conflicts_with = "roi_mm", help_heading = "Part and place")]
     pub(crate) roi: Option<Region>,
     /// Part of the volume, in coordinates of the output's world: the same with numbers; the samples
     /// around that box are taken
     #[arg(long, value_name = "RANGES", value_parser = Region::parse_world)]
-    #[arg(allow_hyphen_values = true)]
+    #[arg(allow_hyphen_values = true, help_heading = "Part and place")]
     pub(crate) roi_mm: Option<Region>,
     /// Axes of the world to write coordinates in
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Part and place")]
     pub(crate) space: SpaceArg,
     /// Write a report as JSON, to a file or to - for stdout
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,
     /// Extract N times, each time into fresh memory, and report the median time and all times
     #[arg(long, value_name = "N", requires = "report", conflicts_with = "repeat_warm")]
+    #[arg(help_heading = "Report")]
     pub(crate) repeat: Option<NonZeroUsize>,
     /// The same in the memory of an extraction before, which is not timed
-    #[arg(long, value_name = "N", requires = "report")]
+    #[arg(long, value_name = "N", requires = "report", help_heading = "Report")]
     pub(crate) repeat_warm: Option<NonZeroUsize>,
     #[command(flatten)]
     pub(crate) volume: VolumeArgs,

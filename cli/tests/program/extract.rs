@@ -199,6 +199,21 @@ fn a_reflecting_frame_keeps_the_outside_outside() {
 }
 
 #[test]
+fn far_from_the_origin_formats_that_can_hold_every_digit_and_others_warn() {
+    let folder = Folder::with_ball();
+    let far = "--origin 6.4e6,6.4e6,6.4e6 --spacing 0.1,0.1,0.1 --iso 50 --report r.json";
+    for name in ["a.ply", "a.obj"] {
+        assert!(!folder.done(&format!("extract ball.nii {far} -o {name}")).err.contains("warning"));
+        assert_sound(&folder.topology(name));
+    }
+    for name in ["a.glb", "a.stl"] {
+        let ran = folder.done(&format!("extract ball.nii {far} -o {name}"));
+        assert!(ran.err.contains("warning: ") && ran.err.contains("holds f32"), "{}", ran.err);
+        assert!(folder.json("r.json")["merged_vertices"].as_u64().unwrap() > 0);
+    }
+}
+
+#[test]
 fn the_bytes_depend_neither_on_threads_nor_on_names() {
     let folder = Folder::with_ball();
     for ending in ["glb", "obj", "ply", "stl"] {
