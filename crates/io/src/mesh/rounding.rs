@@ -56,6 +56,7 @@ impl Loss {
         let Self { merged, moved } = self;
         let merging = match merged {
             0 => "no two vertices fall together".to_owned(),
+            1 => "1 vertex falls on the place of another one".to_owned(),
             _ => format!("{merged} vertices fall on the place of another one"),
         };
         written.warnings.push(format!(

@@ -147,7 +147,7 @@ fn what_f32_merges_is_said_with_a_remedy() {
         assert_eq!(written.merged_vertices, merged, "{ending}");
         assert_eq!(written.warnings.len(), usize::from(merged > 0), "{ending}");
         if let [warning] = &written.warnings[..] {
-            assert!(warning.contains("1 vertices fall on the place of another"), "{warning}");
+            assert!(warning.contains("1 vertex falls on the place of another"), "{warning}");
             assert!(warning.contains(".ply and .obj keep every digit"), "{warning}");
         } else {
             let input = read_mesh(&path, &Job::default()).unwrap();
