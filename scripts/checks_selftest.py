@@ -179,9 +179,10 @@ def test_ties_and_data(tally: Tally) -> None:
         tally.check("check_ties", f"sees {name}", bool(mesh_faults(mesh, "")))
     points = np.random.default_rng(0).normal(0, 50, (500, 3)).astype(np.float32)
     moved = points.copy()
-    moved[3, 1] = np.nextafter(moved[3, 1], np.float32(1e9))
+    ulp = np.spacing(np.abs(points).max())
+    moved[3, 1] += ulp / 2
     tally.check("check_data", "an ulp is near", check_data.unmatched(moved[::-1], points) == 0)
-    moved[3, 1] += 4 * np.spacing(moved[3, 1])
+    moved[3, 1] += 4 * ulp
     tally.check("check_data", "five are not", check_data.unmatched(moved, points) == 1)
     moved[3] = moved[4]
     tally.check("check_data", "one point for two is not", check_data.unmatched(moved, points) > 0)
