@@ -1,0 +1,191 @@
+//! isokit as a contender, and the rates of the machine beside it on the same samples.
+
+use crate::{
+    Contender, Failure,
+    memory::{copy, fill, forget_the_most, in_use, read},
+    protocol::{Answer, Boundary, Extract, Load, Nan, Request, timed},
+};
+use isokit_job::{Job, Threads};
+use isokit_lanes::{Level, signs, words};
+use isokit_marching_cubes::{self as mc, ExtractOptions, count, extract_into};
+use isokit_mesh::{Counts, Positions, TriMesh};
+use isokit_volume::{Dtype, Grid, Sample, Volume, for_dtype};
+use rayon::prelude::*;
+use std::{collections::BTreeMap, num::NonZeroUsize};
+
+/// Takes a volume of any type.
+pub(crate) fn open(load: &Load) -> Result<Box<dyn Contender>, Failure> {
+    let dtype = Dtype::from_name(&load.dtype).ok_or("no such type of sample")?;
+    for_dtype!(dtype, T => Ok(Box::new(Isokit::<T>::open(load)?)))
+}
+
+struct Isokit<T> {
+    volume: Volume<T>,
+    /// Jobs with pools of threads, by their number: no request pays for the start of a thread.
+    jobs: BTreeMap<usize, Job>,
+    /// The mesh of the request before, for warm ones; with normals and without.
+    kept: [TriMesh; 2],
+    /// Where bits and copies go.
+    bits: Vec<u64>,
+    copied: Vec<T>,
+}
+
+impl<T: Sample> Isokit<T> {
+    fn open(load: &Load) -> Result<Self, Failure> {
+        let grid = Grid::new(load.dims.map(|n| n as u64), Default::default())?;
+        let volume = Volume::new(grid, load.samples()?)?;
+        let kept = [TriMesh::default(), TriMesh::with_normals()];
+        Ok(Self { volume, jobs: BTreeMap::new(), kept, bits: vec![], copied: vec![] })
+    }
+
+    fn job(&mut self, threads: usize) -> Result<Job, Failure> {
+        if let Some(job) = self.jobs.get(&threads) {
+            return Ok(job.clone());
+        }
+        let count = NonZeroUsize::new(threads).ok_or("threads are one or more")?;
+        let job = Job { threads: Threads::new(count)?, ..Job::default() };
+        // The first work of a pool starts it.
+        job.threads.run(|| rayon::broadcast(|_| ()));
+        self.jobs.insert(threads, job.clone());
+        Ok(job)
+    }
+
+    fn extract(&mut self, request: &Extract) -> Result<Answer, Failure> {
+        let job = self.job(request.threads)?;
+        let options = options(request);
+        let mut fresh = match request.normals {
+            true => TriMesh::with_normals(),
+            false => TriMesh::default(),
+        };
+        let mesh = match request.warm {
+            true => &mut self.kept[usize::from(request.normals)],
+            false => &mut fresh,
+        };
+        let view = self.volume.view();
+        let (answer, result) =
+            timed(|| extract_into(&view, request.iso, &options, &mut mesh.refill(), &job));
+        result?;
+        let (parts, counts) = (parts(mesh), mesh.counts());
+        Ok(Answer { parts, input: Some(self.input()), ..counted(answer, counts) })
+    }
+
+    fn count(&mut self, iso: f64, threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        let options = ExtractOptions::DEFAULT.with_boundary(mc::Boundary::Open);
+        let (answer, counts) = timed(|| count(&self.volume.view(), iso, &options, &job));
+        Ok(counted(answer, counts?))
+    }
+
+    /// One bit per sample, as the first pass of an extraction makes them.
+    fn classify(&mut self, iso: f64, threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        let [nx, ny, _] = self.volume.view().dims();
+        let threshold = self.volume.scaling().threshold::<T>(iso);
+        let per_row = words(nx);
+        self.bits.resize(self.volume.samples().len() / nx * per_row, 0);
+        let (samples, bits) = (self.volume.samples(), &mut self.bits);
+        let slices = bits.par_chunks_mut(per_row * ny).zip(samples.par_chunks(nx * ny));
+        let classify = |(bits, slice): (&mut [u64], &[T])| {
+            let rows = slice.chunks_exact(nx).zip(bits.chunks_exact_mut(per_row));
+            rows.for_each(|(row, bits)| signs(row, threshold, bits));
+        };
+        let (answer, ()) = timed(|| job.threads.run(|| slices.for_each(classify)));
+        Ok(self.with_input(answer))
+    }
+
+    fn read(&mut self, threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        let (answer, _) = timed(|| job.threads.run(|| read(self.volume.samples())));
+        Ok(self.with_input(answer))
+    }
+
+    fn copy(&mut self, threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        if self.copied.is_empty() {
+            self.copied = self.volume.samples().to_vec();
+        }
+        let (from, to) = (self.volume.samples(), &mut self.copied);
+        let (answer, ()) = timed(|| job.threads.run(|| copy(from, to)));
+        Ok(self.with_input(answer))
+    }
+
+    fn bound(&mut self, parts: &[usize], threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        let samples = self.volume.samples();
+        let work = || job.threads.run(|| (read(samples), fill(parts)));
+        let (answer, _) = timed(work);
+        Ok(self.with_input(answer))
+    }
+
+    fn fill(&mut self, parts: &[usize], threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        let (answer, _) = timed(|| job.threads.run(|| fill(parts)));
+        Ok(answer)
+    }
+
+    /// What an extraction takes beside the volume and the mesh.
+    fn memory(&mut self, request: &Extract) -> Result<Answer, Failure> {
+        self.job(request.threads)?;
+        forget_the_most();
+        let before = in_use().ok_or("the system does not tell how much memory is in use")?;
+        let answer = self.extract(request)?;
+        let after = in_use().ok_or("the system does not tell how much memory is in use")?;
+        let output: usize = answer.parts.iter().sum();
+        let above = after.most as i64 - before.now as i64 - output as i64;
+        Ok(Answer { above: Some(above), ..answer })
+    }
+
+    fn input(&self) -> usize {
+        size_of_val(self.volume.samples())
+    }
+
+    fn with_input(&self, answer: Answer) -> Answer {
+        Answer { input: Some(self.input()), simd: Some(Level::current().name()), ..answer }
+    }
+}
+
+impl<T: Sample> Contender for Isokit<T> {
+    fn answer(&mut self, request: Request) -> Result<Answer, Failure> {
+        match request {
+            Request::Load(_) => Err("a volume is loaded".into()),
+            Request::Extract(request) => self.extract(&request),
+            Request::Count { iso, threads } => self.count(iso, threads),
+            Request::Classify { iso, threads } => self.classify(iso, threads),
+            Request::Read { threads } => self.read(threads),
+            Request::Copy { threads } => self.copy(threads),
+            Request::Fill { parts, threads } => self.fill(&parts, threads),
+            Request::Bound { parts, threads } => self.bound(&parts, threads),
+            Request::Memory(request) => self.memory(&request),
+        }
+    }
+}
+
+fn options(request: &Extract) -> ExtractOptions {
+    let boundary = match request.boundary {
+        Boundary::Open => mc::Boundary::Open,
+        Boundary::Closed => mc::Boundary::Closed,
+    };
+    let nan = match request.nan {
+        Nan::Outside => mc::Nan::Outside,
+        Nan::Error => mc::Nan::Error,
+    };
+    ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan)
+}
+
+fn counted(answer: Answer, Counts { vertices, triangles }: Counts) -> Answer {
+    let simd = Some(Level::current().name());
+    Answer { vertices: Some(vertices), triangles: Some(triangles), simd, ..answer }
+}
+
+/// Bytes of positions, triangles and normals.
+fn parts(mesh: &TriMesh) -> Vec<usize> {
+    let positions = match &mesh.positions {
+        Positions::F32(all) => size_of_val(&all[..]),
+        Positions::F64(all) => size_of_val(&all[..]),
+    };
+    let normals = mesh.normals.as_ref().map(|all| size_of_val(&all[..]));
+    [Some(positions), Some(size_of_val(&mesh.triangles[..])), normals]
+        .into_iter()
+        .flatten()
+        .collect()
+}
