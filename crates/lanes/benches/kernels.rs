@@ -3,8 +3,6 @@
 //! `cargo bench -p isokit-lanes --bench kernels`. A process runs the widest loops that its machine has;
 //! `ISOKIT_SIMD=portable|avx2|avx512` in the environment holds it to one level.
 
-#![expect(missing_docs, reason = "the macros that make a benchmark document nothing")]
-
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_lanes::{
     BATCH, CaseTable, Edges, Field, FirstVertices, Lane, Level, Normals, Samples, Threshold,

@@ -1,0 +1,157 @@
+"""The rows that compare isokit with what the machine allows, and with itself.
+
+Standard library only.
+"""
+
+from kit.bench_measure import Bench, Entry, Series, extract, milliseconds
+from kit.bench_volumes import Store, Volume
+
+THREADS = (1, 2)
+BYTES = {"u8": 1, "i8": 1, "u16": 2, "i16": 2, "u32": 4, "i32": 4, "f32": 4, "f64": 8}
+
+
+def random(dtype: str, n: int) -> Volume:
+    """As many bytes of any type, made up by the contender: 512 MiB at n = 512."""
+    value = 1.5 if dtype in ("f32", "f64") else 9.5
+    return Volume(f"random {dtype}", (n, n, 4 * n // BYTES[dtype]), dtype, value)
+
+
+def machine(bench: Bench, store: Store) -> None:
+    """The rates of the memory: read, copied, and written for the first time."""
+    volume = random("f32", 256 if bench.quick else 512)
+    size = volume.count * 4
+    with bench.workers():
+        for threads in THREADS:
+            requests = (
+                {"op": "read", "threads": threads},
+                {"op": "copy", "threads": threads},
+                {"op": "fill", "threads": threads, "parts": [size]},
+            )
+            for one in bench.run([Entry("isokit", volume, request) for request in requests]):
+                if one:
+                    name = f"{one.request['op']}, {threads} thread{'s' * (threads > 1)}"
+                    rate = f"{size / one.median / 1e9:.1f} GB/s"
+                    bench.facts[name] = rate
+                    print(f"{'machine':10} {name}: {rate}", flush=True)
+
+
+def classify(bench: Bench, store: Store) -> None:
+    """One bit per sample, against the mere reading of the same bytes."""
+    for dtype in BYTES:
+        volume = random(dtype, 256 if bench.quick else 512)
+        with bench.workers():
+            for threads in THREADS:
+                requests = (
+                    {"op": "classify", "iso": volume.iso, "threads": threads},
+                    {"op": "read", "threads": threads},
+                )
+                ours, read = bench.run([Entry("isokit", volume, one) for one in requests])
+                bench.compare(
+                    ours,
+                    read,
+                    row="classify",
+                    work=f"{dtype}, {threads} thread{'s' * (threads > 1)}, vs a pure read",
+                    at_least=False,
+                    must=1.4,
+                    aim=1.15,
+                )
+
+
+def bound(bench: Bench, store: Store) -> None:
+    """Large volumes, sparse and dense, against reading them and filling as much memory."""
+    n = 256 if bench.quick else 512
+    for volume, must, aim in ((store.sphere(n), 2.0, 1.3), (store.gyroid(n), 4.0, 2.0)):
+        with bench.workers():
+            sized = bench.run([Entry("isokit", volume, extract(volume))])[0]
+            if sized is None:
+                continue
+            parts = sized.answers[-1]["parts"]
+            for threads in THREADS:
+                requests = (
+                    extract(volume, threads=threads),
+                    {"op": "bound", "threads": threads, "parts": parts},
+                    {"op": "read", "threads": threads},
+                    {"op": "fill", "threads": threads, "parts": parts},
+                )
+                ours, least, read, fill = bench.run(
+                    [Entry("isokit", volume, request) for request in requests]
+                )
+                made = "{vertices:,} vertices, {triangles:,} triangles"
+                bench.compare(
+                    ours,
+                    least,
+                    row="bound",
+                    work=f"{volume.name} f32, normals, cold, {threads} "
+                    f"thread{'s' * (threads > 1)}, vs the bound",
+                    at_least=False,
+                    must=must,
+                    aim=aim,
+                    remark=f"{made.format(**sized.answers[-1])}; bound: "
+                    f"read {milliseconds(read)}, fill {milliseconds(fill)}"
+                    if read and fill
+                    else "",
+                )
+
+
+def memory(bench: Bench, store: Store) -> None:
+    """What is in memory at most, less the input, the output and the process before."""
+    n = 256 if bench.quick else 512
+    shares = {"float32": 1 / 16, "int16": 1 / 8, "uint8": 1 / 4}
+    for dtype, must in shares.items():
+        for volume in (store.sphere(n, dtype), store.gyroid(n, dtype=dtype)):
+            for threads in THREADS:
+                request = extract(volume, threads=threads) | {"op": "memory"}
+                # Memory varies less than time, and every run is a process and a volume anew.
+                answers = [bench.fresh(Entry("isokit", volume, request)) for _ in range(3)]
+                if None in answers:
+                    continue
+                bench.series.append(Series("isokit", volume.name, request, answers))
+                above = [answer["above"] for answer in answers]
+                size = answers[0]["input"]
+                bench.add(
+                    [one / size for one in above],
+                    f"{max(above) / 2**20:.1f} MiB",
+                    f"input {size / 2**20:.0f} MiB",
+                    row="memory",
+                    work=f"{volume.name} {volume.dtype}, {threads} thread{'s' * (threads > 1)}, "
+                    "memory above input and output, as a share of the input",
+                    at_least=False,
+                    must=must,
+                    aim=must / 2,
+                )
+
+
+def growth(bench: Bench, store: Store, full: bool = False) -> None:
+    """Time per sample by size, warm; the gyroid's share of crossed cells is always the same."""
+    sizes = [64, 128, 256] if bench.quick else [128, 256, 512] + [1024] * full
+    curves = (
+        ("gyroid, period 32", lambda n: store.gyroid(n, 32.0)),
+        ("sphere", store.sphere),
+    )
+    for name, make in curves:
+        with bench.workers():
+            volumes = [make(n) for n in sizes]
+            done = bench.run(
+                [
+                    Entry("isokit", volume, extract(volume, warm=True), warm=True)
+                    for volume in volumes
+                ]
+            )
+        pairs = [(one, volume) for one, volume in zip(done, volumes, strict=True) if one]
+        per_sample = [1e9 * one.median / volume.count for one, volume in pairs]
+        if len(per_sample) < 2:
+            continue
+        listed = ", ".join(
+            f"{volume.dims[0]}³ {time:.3f}"
+            for (_, volume), time in zip(pairs, per_sample, strict=True)
+        )
+        bench.add(
+            [max(per_sample) / min(per_sample)],
+            f"{max(per_sample):.3f} ns per sample",
+            f"{min(per_sample):.3f}",
+            row="growth",
+            work=f"{name}, normals, warm, 1 thread: most by least time per sample",
+            at_least=False,
+            must=1.2 if "gyroid" in name else None,
+            remark=f"ns per sample: {listed}",
+        )

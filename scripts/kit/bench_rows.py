@@ -1,0 +1,219 @@
+"""The rows that compare isokit with other programs. Standard library only."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from kit.bench_measure import RUST_PEERS, Bench, Entry, Series, extract
+from kit.bench_peers import PEERS
+from kit.bench_volumes import Absent, Store, Volume
+from kit.bench_worker import Failed, command_seconds
+from kit.program import PROJECT
+
+EDGES = "vtk Flying Edges"
+THREADS = (1, 2)
+
+
+def fields(bench: Bench, store: Store) -> Iterator[Volume]:
+    """The sparse and the dense surface that everything is tried on."""
+    n = 128 if bench.quick else 256
+    yield store.sphere(n)
+    yield store.gyroid(n)
+
+
+def against_edges(
+    bench: Bench, volume: Volume, row: str, threads: int, normals: bool, warm: bool, **wanted: float
+) -> None:
+    """One line: the same surface by us and by Flying Edges."""
+    request = extract(volume, threads=threads, normals=normals, warm=warm)
+    entries = [Entry(who, volume, request, warm) for who in ("isokit", EDGES)]
+    ours, theirs = bench.run(entries)
+    with_normals = "normals" if normals else "no normals"
+    bench.compare(
+        ours,
+        theirs,
+        row=row,
+        work=f"{volume.name} {volume.dtype}, {with_normals}, {'warm' if warm else 'cold'}, "
+        f"{threads} thread{'s' * (threads > 1)}, vs Flying Edges",
+        at_least=True,
+        remark=counts(ours, theirs),
+        **wanted,
+    )
+
+
+def synthetic(bench: Bench, store: Store) -> None:
+    """Sphere and gyroid, cold and warm, with and without normals, on one thread and on two."""
+    wanted = {False: {"must": 3.0, "aim": 6.0}, True: {"must": 5.0, "aim": 9.0}}
+    for volume in fields(bench, store):
+        with bench.workers():
+            for normals in (True, False):
+                for threads in THREADS:
+                    for warm in (False, True):
+                        limits = wanted[warm] if normals else {}
+                        settings = (threads, normals, warm)
+                        against_edges(bench, volume, "synthetic", *settings, **limits)
+
+
+def defaults(bench: Bench, store: Store) -> None:
+    """What who changes no option gets: a closed border; and NaN an error, as the program has it."""
+    for volume in fields(bench, store):
+        with bench.workers():
+            plain = extract(volume)
+            closed = plain | {"boundary": "closed"}
+            entries = [
+                Entry("isokit", volume, closed),
+                Entry("isokit", volume, closed | {"nan": "error"}),
+                Entry(EDGES, volume, plain),
+            ]
+            library, program, theirs = bench.run(entries)
+            for ours, whose in ((library, "library"), (program, "program, NaN refused")):
+                bench.compare(
+                    ours,
+                    theirs,
+                    row="defaults",
+                    work=f"{volume.name} f32, defaults of the {whose}, cold, 1 thread, "
+                    "vs Flying Edges",
+                    at_least=True,
+                )
+
+
+def real(bench: Bench, store: Store) -> None:
+    """Scans in the types that they came in."""
+    makers = (
+        lambda: store.nifti("engine", "volvis/engine.nii.gz", 80),
+        lambda: store.nifti("bonsai", "volvis/bonsai.nii.gz", 40),
+        lambda: store.ct_head(300),
+    )
+    for make in makers:
+        try:
+            volume = make()
+        except Absent as absent:
+            bench.skip("real", absent)
+            continue
+        with bench.workers():
+            for threads in THREADS:
+                settings = (threads, True, False)
+                against_edges(bench, volume, "real", *settings, must=3.5, aim=8.0)
+
+
+def threads(bench: Bench, store: Store) -> None:
+    """Two threads against one, warm."""
+    for volume in fields(bench, store):
+        with bench.workers():
+            entries = [
+                Entry("isokit", volume, extract(volume, threads=count, warm=True), warm=True)
+                for count in THREADS
+            ]
+            one, two = bench.run(entries)
+            bench.compare(
+                two,
+                one,
+                row="threads",
+                work=f"{volume.name} f32, normals, warm, 2 threads vs 1",
+                at_least=True,
+                must=1.8,
+                aim=1.95,
+            )
+
+
+def peers(bench: Bench, store: Store) -> None:
+    """Every peer there is, as much like for like as it can be told."""
+    for volume in fields(bench, store):
+        with bench.workers():
+            entries = [
+                Entry("isokit", volume, extract(volume, normals=normals, threads=count))
+                for normals in (True, False)
+                for count in THREADS
+            ]
+            entries += [Entry(name, volume, extract(volume)) for name in RUST_PEERS]
+            entries.append(Entry("isosurface", volume, extract(volume, normals=False)))
+            entries += [
+                Entry(name, volume, extract(volume, normals=normals, threads=count))
+                for name, peer in PEERS.items()
+                for normals in peer.normals
+                for count in peer.threads
+            ]
+            done = bench.run(entries)
+            same = {settings(one): one for one in done[:4] if one}
+            for theirs in done[4:]:
+                if theirs:
+                    ours = same.get(settings(theirs))
+                    bench.compare(ours, theirs, **peer_line(volume, theirs), at_least=True)
+
+
+def settings(series: Series) -> tuple[bool, int]:
+    """What has to be the same for a comparison."""
+    return series.request["normals"], series.request["threads"]
+
+
+def peer_line(volume: Volume, theirs: Series) -> dict[str, str]:
+    """What is said of a comparison with a peer."""
+    normals, count = settings(theirs)
+    peer = PEERS.get(theirs.who)
+    note = peer.note if peer else ""
+    if theirs.who == "fast-surface-nets":
+        note = "one vertex per cell; normals not of unit length"
+    made = "{vertices:,} vertices, {triangles:,} triangles".format(**theirs.answers[-1])
+    return {
+        "row": "peers",
+        "work": f"{volume.name} f32, {'normals' if normals else 'no normals'}, cold, "
+        f"{count} thread{'s' * (count > 1)}, vs {theirs.who}",
+        "remark": "; ".join(filter(None, (made, note))),
+    }
+
+
+def command(bench: Bench, store: Store) -> None:
+    """From file to file, the start of the programs included."""
+    volume = store.data / "nifti/mni152_t1_1mm.nii.gz"
+    if not volume.exists():
+        bench.skip("command", Absent("there is no nifti/mni152_t1_1mm.nii.gz in the data folder"))
+        return
+    if EDGES in bench.absent:
+        bench.skip("command", bench.absent[EDGES])
+        return
+    out = store.folder / "x.ply"
+    program = PROJECT / "target/release/isokit"
+    ours = [program, "extract", volume, "--iso", "90", "-o", out, "-q"]
+    alike = ["--topology", "table", "--placement", "linear", "--degenerate", "never"]
+    commands: dict[str, list[str | Path]] = {
+        "like Flying Edges": [*ours, *alike, "--boundary", "open"],
+        "defaults": ours,
+        "vtk": [sys.executable, PROJECT / "scripts/bench_vtk.py", volume, "90", out],
+    }
+    taken = {name: Series(name, volume.name, {"op": "command"}) for name in commands}
+    for round_ in range(bench.rounds + 1):
+        for name, words in commands.items():
+            out.unlink(missing_ok=True)
+            try:
+                seconds = command_seconds(words)
+            except Failed as failure:
+                bench.skip(f"command, {name}", failure)
+                bench.failed |= name != "vtk"
+                return
+            if round_ > 0:  # the first reads programs and file from disk
+                taken[name].answers.append({"seconds": seconds})
+    with suppress(FileNotFoundError):
+        out.unlink()
+    bench.series += taken.values()
+    for name, wanted in (("like Flying Edges", {"must": 3.0, "aim": 5.0}), ("defaults", {})):
+        bench.compare(
+            taken[name],
+            taken["vtk"],
+            row="command",
+            work=f"extract mni152_t1_1mm.nii.gz --iso 90 -o x.ply, {name}, "
+            "vs VTK's reader, Flying Edges and writer",
+            at_least=True,
+            **wanted,
+        )
+
+
+def counts(ours: Series | None, theirs: Series | None) -> str:
+    """What both made, or how they differ."""
+    if not (ours and theirs):
+        return ""
+    made = [
+        "{vertices:,} vertices, {triangles:,} triangles".format(**one.answers[-1])
+        for one in (ours, theirs)
+    ]
+    return made[0] if made[0] == made[1] else f"{made[0]}; theirs {made[1]}"
