@@ -57,7 +57,7 @@ fn nan_is_an_error_until_someone_says_what_it_means() {
     let hole = |ijk| if ijk == [8, 7, 6] || ijk == [9, 7, 6] { f32::NAN } else { ball(ijk) };
     folder.volume("hole.nii", Space::Ras, hole);
     let says =
-        ["2 of the samples are NaN, the first at [8, 7, 6]", "the file's fault", "--nan mask"];
+        ["samples that are NaN: 2, the first at [8, 7, 6]", "the file's fault", "--nan mask"];
     fails(&folder, "extract hole.nii --iso 50 -o a.ply", Exit::Failed, &says);
     let part = "extract hole.nii --iso 50 --roi 4:,3:,2: -o a.ply";
     fails(&folder, part, Exit::Failed, &["the first at [8, 7, 6]"]);

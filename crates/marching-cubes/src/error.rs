@@ -13,7 +13,7 @@ pub enum ExtractError<E = Infallible> {
 
     /// The data's fault, where the caller chose [`Nan::Error`](crate::Nan::Error).
     #[error(
-        "{count} of the samples are NaN, the first at [{}, {}, {}]", first[0], first[1], first[2]
+        "samples that are NaN: {count}, the first at [{}, {}, {}]", first[0], first[1], first[2]
     )]
     Nan {
         /// How many.

@@ -83,7 +83,7 @@ fn check<T: Lane>(sample: fn(&mut Chance) -> T) {
             let samples = Samples::new(&all, first, strides, [nx, ny, nz]).unwrap();
             let at = |ijk: [u32; 3]| {
                 let offset: isize = (0..3).map(|k| ijk[k] as isize * strides[k]).sum();
-                all[first.strict_add_signed(offset)]
+                all[first.checked_add_signed(offset).unwrap()]
             };
             for count in (1..=BATCH).chain([BATCH; 20]) {
                 let mut edges = Edges::default();
