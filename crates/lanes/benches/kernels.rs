@@ -5,8 +5,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_lanes::{
-    BATCH, CaseTable, Edges, Field, FirstVertices, Lane, Level, Normals, Samples, Threshold,
-    Vertices, Word, count, signs, triangles, vertices, words, words_of_row,
+    CaseTable, Edges, Field, FirstVertices, Lane, Level, Samples, Threshold, Vertices, Word,
+    count_row, signs, triangles, vertices, words, words_of_row,
 };
 use std::hint::black_box;
 
@@ -68,7 +68,7 @@ fn every_type(criterion: &mut Criterion) {
 }
 
 /// Four rows of bits in runs of the given length, as a surface leaves them.
-fn words_in_runs(run: u64) -> Vec<Word> {
+fn rows_in_runs(run: u64) -> [Vec<u64>; 4] {
     let mut chance = chance();
     let mut row = || -> Vec<u64> {
         let mut inside = false;
@@ -82,10 +82,7 @@ fn words_in_runs(run: u64) -> Vec<Word> {
         };
         (0..words(ROW)).map(|_| (0..64).fold(0, |word, i| word | bit() << i)).collect()
     };
-    let rows = [row(), row(), row(), row()];
-    let mut found = vec![];
-    words_of_row(rows.each_ref().map(Vec::as_slice), ROW, &mut found);
-    found
+    [row(), row(), row(), row()]
 }
 
 /// Counting and making the triangles of rows that are dense, and less so.
@@ -98,11 +95,17 @@ fn cells(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group(format!("cells/{}", Level::current()));
     for run in [2, 16] {
-        let found = words_in_runs(run);
-        let total = count(&found, &table.counts).triangles;
+        let rows = rows_in_runs(run);
+        let rows = rows.each_ref().map(Vec::as_slice);
+        let mut found = vec![];
+        words_of_row(rows, ROW, &mut found);
+        let total = count_row(rows, ROW, &table.counts).triangles;
         group.throughput(Throughput::Elements(total.into()));
         group.bench_function(BenchmarkId::new("count", run), |bencher| {
-            bencher.iter(|| count(black_box(&found), &table.counts));
+            bencher.iter(|| count_row(black_box(rows), ROW, &table.counts));
+        });
+        group.bench_function(BenchmarkId::new("words", run), |bencher| {
+            bencher.iter(|| words_of_row(black_box(rows), ROW, &mut found));
         });
         let mut out = vec![[0; 3]; total as usize + 64];
         group.bench_function(BenchmarkId::new("triangles", run), |bencher| {
@@ -113,38 +116,47 @@ fn cells(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Placing a batch of vertices, with their normals and without.
-fn batches(criterion: &mut Criterion) {
-    const N: usize = 32;
+/// Placing vertices, with their normals and without.
+fn crossings(criterion: &mut Criterion) {
+    const N: usize = 64;
     let plane = |n: usize| (n % N + n / N % N + n / N / N) as f32;
     let all: Vec<f32> = (0..N * N * N).map(plane).collect();
     let samples = Samples::new(&all, 0, [1, N as isize, (N * N) as isize], [N; 3])
         .expect("the samples are there");
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let field = Field {
-        iso: 45.5,
+        iso: 94.5,
         slope: 1.0,
         intercept: 0.0,
         reach: 0.5 - 1.0 / 1024.0,
         columns: unit,
         origin: [0.0; 3],
         covectors: unit,
+        first_slice: 0.0,
     };
     let mut edges = Edges::default();
-    for n in 0..BATCH as u32 {
-        // On the plane where the three numbers sum up to 45.
-        edges.push(n as usize % 3, [10 + n % 4, 20 - n % 8, 15 - n % 4 + n % 8]);
+    edges.begin(32);
+    for (y, axis) in (1..62_u32).flat_map(|y| (0..3).map(move |axis| (y, axis))) {
+        // On the plane where the three numbers sum up to 94.
+        let word = Word { cuts: [1 << (62 - y); 8], ..Word::default() };
+        edges.push(axis, [0, y], &[word]);
     }
-    let mut out = Vertices::<f32>::default();
+    let mut positions = vec![[0_f32; 3]; edges.len()];
+    let mut normals = vec![[0.0; 3]; edges.len()];
+    let mut odd = vec![];
     let mut group = criterion.benchmark_group(format!("vertices/{}", Level::current()));
-    group.throughput(Throughput::Elements(BATCH as u64));
-    for (name, normals) in [("normals", Normals::Gradient), ("no normals", Normals::None)] {
+    group.throughput(Throughput::Elements(edges.len() as u64));
+    for (name, with_normals) in [("normals", true), ("no normals", false)] {
         group.bench_function(name, |bencher| {
-            bencher.iter(|| vertices(&samples, &field, black_box(&edges), normals, &mut out));
+            bencher.iter(|| {
+                let normals = with_normals.then_some(&mut normals[..]);
+                let out = Vertices { positions: &mut positions, normals, odd: &mut odd };
+                vertices(&samples, &field, black_box(&edges), out);
+            });
         });
     }
     group.finish();
 }
 
-criterion_group!(benches, every_type, cells, batches);
+criterion_group!(benches, every_type, cells, crossings);
 criterion_main!(benches);

@@ -1,6 +1,6 @@
 //! A lattice of samples in memory, whose bounds are checked once.
 
-use crate::Lane;
+use crate::{Lane, Word};
 
 /// Samples that lie `strides` apart along x, y, z.
 ///
@@ -14,6 +14,7 @@ pub struct Samples<'a, T> {
     first: i64,
     strides: [i64; 3],
     dims: [u32; 3],
+    is_near: bool,
 }
 
 impl<'a, T: Lane> Samples<'a, T> {
@@ -29,8 +30,10 @@ impl<'a, T: Lane> Samples<'a, T> {
             *if reach < 0 { &mut least } else { &mut greatest } += reach;
         }
         let inside = least >= 0 && greatest < all.len() as i128;
+        let is_near = is_near::<T>(all.len(), first, strides, dims);
+        let (first, dims) = (first as i64, dims.map(|n| n as u32));
         let strides = strides.map(|stride| stride as i64);
-        inside.then(|| Self { all, first: first as i64, strides, dims: dims.map(|n| n as u32) })
+        inside.then_some(Self { all, first, strides, dims, is_near })
     }
 
     /// Samples along x, y, z.
@@ -52,4 +55,49 @@ impl<'a, T: Lane> Samples<'a, T> {
     pub(crate) fn all(&self) -> &'a [T] {
         self.all
     }
+
+    /// Asks for samples of row `y` of slice `z` that will be read soon: those of the same numbers as the
+    /// cells of `words`, where number 0 is sample `x`. All three may be wrapped, and beyond the last.
+    #[inline(always)]
+    pub fn prefetch(&self, [x, y, z]: [u32; 3], words: &[Word]) {
+        #[cfg(target_arch = "x86_64")]
+        if self.strides[0] == 1 && y < self.dims[1] && z < self.dims[2] {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let row = i64::from(y) * self.strides[1] + i64::from(z) * self.strides[2];
+            let first = self.first + row + i64::from(x as i32);
+            for word in words {
+                let sample =
+                    self.all.as_ptr().wrapping_offset(first as isize + word.first as isize);
+                for line in 0..size_of::<T>() {
+                    let place = sample.cast::<i8>().wrapping_add(64 * line);
+                    // SAFETY: a prefetch reads nothing, so any address will do.
+                    unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
+                }
+            }
+        }
+    }
+
+    /// Whether the number of a sample within its slice, and within the next one, fits 31 bits, and four
+    /// bytes can be read from every sample on that has both neighbours along two axes or more.
+    pub(crate) fn is_near(&self) -> bool {
+        self.is_near
+    }
+}
+
+fn is_near<T>(held: usize, first: usize, strides: [isize; 3], dims: [usize; 3]) -> bool {
+    let strides = strides.map(|stride| stride as i128);
+    let reach = |axis: usize| (dims[axis] as i128 - 1) * strides[axis];
+    let in_slices = reach(0).abs() + reach(1).abs() + strides[2].abs();
+    // Farthest along each axis, and on the others as far as leaves a neighbour.
+    let most = |axis: usize, margin: i128| {
+        let far = (dims[axis] as i128 - 1 - margin) * strides[axis];
+        far.max(margin * strides[axis])
+    };
+    let greatest = |end: usize| {
+        let others = (0..3).filter(|&axis| axis != end).map(|axis| most(axis, 1));
+        first as i128 + most(end, 0) + others.sum::<i128>()
+    };
+    let greatest = (0..3).map(greatest).max().unwrap_or(0);
+    let size = size_of::<T>() as i128;
+    in_slices <= i32::MAX.into() && greatest * size + 4 <= held as i128 * size
 }

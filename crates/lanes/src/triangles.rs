@@ -106,9 +106,10 @@ impl FirstVertices {
             let low = at(first, cuts);
             [low, low.wrapping_add((cuts >> cell & 1) as u32)]
         };
-        let [x0, x1, x2, x3]: [u32; 4] = std::array::from_fn(|n| at(self.x[n], word.x[n]));
-        let [[y0, y1], [y2, y3]]: [_; 2] = std::array::from_fn(|n| pair(self.y[n], word.y[n]));
-        let [[z0, z1], [z2, z3]]: [_; 2] = std::array::from_fn(|n| pair(self.z[n], word.z[n]));
+        let cuts = &word.cuts;
+        let [x0, x1, x2, x3]: [u32; 4] = std::array::from_fn(|n| at(self.x[n], cuts[n]));
+        let [[y0, y1], [y2, y3]]: [_; 2] = std::array::from_fn(|n| pair(self.y[n], cuts[4 + n]));
+        let [[z0, z1], [z2, z3]]: [_; 2] = std::array::from_fn(|n| pair(self.z[n], cuts[6 + n]));
         [x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, 0, 0, 0, 0]
     }
 
@@ -120,9 +121,9 @@ impl FirstVertices {
                 *next = next.wrapping_add(cuts.count_ones());
             }
         };
-        advance(&mut self.x, &word.x);
-        advance(&mut self.y, &word.y);
-        advance(&mut self.z, &word.z);
+        advance(&mut self.x, &word.cuts[..4]);
+        advance(&mut self.y, &word.cuts[4..6]);
+        advance(&mut self.z, &word.cuts[6..]);
     }
 }
 
@@ -161,14 +162,10 @@ mod wide {
         let out = out.as_flattened_mut();
         let mut filled = 0;
         for word in words {
-            let cuts = [
-                word.x[0], word.x[1], word.x[2], word.x[3], word.y[0], word.y[1], word.z[0],
-                word.z[1],
-            ];
             // SAFETY: both are eight 64-bit numbers.
             let (cuts, corners) = unsafe {
                 (
-                    _mm512_loadu_epi64(cuts.as_ptr().cast()),
+                    _mm512_loadu_epi64(word.cuts.as_ptr().cast()),
                     _mm512_loadu_epi64(word.corners.as_ptr().cast()),
                 )
             };

@@ -1,71 +1,43 @@
 //! Where edges are crossed, and the normals there, 16 edges at a time.
 //!
-//! The samples around the ends of a batch of edges are loaded into arrays, one number per edge, and
-//! everything after that is plain arithmetic on whole arrays, which becomes vector code as wide as the
-//! machine has. There is one text for all levels, no fused multiply-add and no estimate of a reciprocal,
-//! so the bits are the same. Only the loads are written twice: AVX-512 gathers.
+//! The samples around the ends of a batch of edges are loaded, one number per edge, and everything after
+//! that is arithmetic on all sixteen. There is one text for all levels, no fused multiply-add and no
+//! estimate of a reciprocal, so the bits are the same; `wide.rs` has what the text is written in.
+//!
+//! Positions are f64 until they are whole. Normals come out as f32 and are made in f32, from differences
+//! of samples that are rounded once; they are right to a few units of their last place.
 //!
 //! The arithmetic knows only finite values. Edges where something is not finite, or where the gradient
-//! vanishes or is too large or small to square, come back marked, and the caller places them one by one.
+//! vanishes or is too large or small to square, are called odd, and the caller places them one by one.
 //! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
 
-mod load;
+mod edges;
 #[cfg(test)]
 mod tests;
+mod wide;
+
+pub use edges::Edges;
+pub(crate) use wide::Exact;
 
 use crate::{Lane, Level, Samples};
-use load::{Load, Plain};
+use wide::{BATCH, Float, Plain, Wide};
 
-/// An array by an expression of the lane's number. A macro, so that it always becomes part of the
-/// function that the level's instructions are enabled for; closures do not.
-macro_rules! each {
-    ($n:ident => $lane:expr) => {{
-        let mut lanes = [Default::default(); BATCH];
-        let mut $n = 0;
-        while $n < BATCH {
-            lanes[$n] = $lane;
-            $n += 1;
-        }
-        lanes
-    }};
-}
-
-/// The same for the three axes, written out so that each is a constant.
-macro_rules! each_axis {
-    ($axis:ident => $part:expr) => {
-        [
-            {
-                let $axis = 0;
-                $part
-            },
-            {
-                let $axis = 1;
-                $part
-            },
-            {
-                let $axis = 2;
-                $part
-            },
-        ]
-    };
-}
-
-/// Edges per batch: two registers of f64 at the widest.
-pub const BATCH: usize = 16;
-
-/// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
-pub const TAME: std::ops::Range<f64> = 1e-120..1e120;
+/// Squares of a gradient's length that are sound: none of its greater parts overflowed or vanished.
+const TAME: std::ops::Range<f32> = 1e-30..1e30;
 
 /// A type of coordinate in the output: `f32` or `f64`.
-pub trait Coordinate: Copy + Default + Send + sealed::Sealed {
+pub trait Coordinate: Copy + Default + Send + sealed::Write {
     /// The coordinate nearest to a value.
     fn round(value: f64) -> Self;
 }
 
 mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
+    use super::{BATCH, Wide};
+
+    pub trait Write: Sized {
+        /// Rounds the places of a batch, which come by axis, and writes them vertex by vertex.
+        fn write<W: Wide>(wide: W, places: [W::F64; 3], out: &mut [[Self; 3]; BATCH]);
+    }
 }
 
 impl Coordinate for f32 {
@@ -75,10 +47,24 @@ impl Coordinate for f32 {
     }
 }
 
+impl sealed::Write for f32 {
+    #[inline(always)]
+    fn write<W: Wide>(wide: W, [x, y, z]: [W::F64; 3], out: &mut [[Self; 3]; BATCH]) {
+        wide.interleave([wide.f64_to_f32(x), wide.f64_to_f32(y), wide.f64_to_f32(z)], out);
+    }
+}
+
 impl Coordinate for f64 {
     #[inline(always)]
     fn round(value: f64) -> Self {
         value
+    }
+}
+
+impl sealed::Write for f64 {
+    #[inline(always)]
+    fn write<W: Wide>(wide: W, places: [W::F64; 3], out: &mut [[Self; 3]; BATCH]) {
+        wide.interleave_f64(places, out);
     }
 }
 
@@ -99,117 +85,53 @@ pub struct Field {
     pub origin: [f64; 3],
     /// What turns a gradient in index space into one in world space, by columns.
     pub covectors: [[f64; 3]; 3],
+    /// The number of the first slice of the samples in the whole lattice.
+    pub first_slice: f64,
 }
 
 impl Field {
     /// The place in world space of a point of index space.
     #[inline(always)]
     pub fn world(&self, ijk: [f64; 3]) -> [f64; 3] {
-        each_axis!(k => {
+        std::array::from_fn(|k| {
             let along = |axis: usize| self.columns[axis][k] * ijk[axis];
             along(0) + (along(1) + (along(2) + self.origin[k]))
         })
     }
 
-    /// The gradient in world space of a gradient in index space.
-    #[inline(always)]
-    pub fn world_gradient(&self, gradient: [f64; 3]) -> [f64; 3] {
-        each_axis!(k => {
-            let along = |axis: usize| self.covectors[axis][k] * gradient[axis];
-            along(0) + along(1) + along(2)
-        })
+    /// What turns differences of stored samples into a gradient in world space, but for its length, which
+    /// no normal has.
+    fn directions(&self) -> [[f32; 3]; 3] {
+        let parts = self.covectors.as_flattened().iter();
+        let greatest = parts.fold(0.0_f64, |most, part| most.max(part.abs()));
+        let scale = if self.slope < 0.0 { -greatest } else { greatest };
+        self.covectors.map(|column| column.map(|part| (part / scale) as f32))
     }
 }
 
-/// Edges between samples, by axis and lower end.
-#[derive(Clone, Copy, Debug)]
-pub struct Edges {
-    /// The axis, 0 to 2, of each.
-    axis: [u32; BATCH],
-    /// The lower end of each, x, y and z apart.
-    low: [[u32; BATCH]; 3],
-    count: usize,
+/// Where the vertices of edges go.
+#[derive(Debug)]
+pub struct Vertices<'a, C> {
+    /// Places in world space.
+    pub positions: &'a mut [[C; 3]],
+    /// Unit normals, against the gradient; none are made where there is no room for them.
+    pub normals: Option<&'a mut [[f32; 3]]>,
+    /// The numbers of the odd edges are added here: those have yet to be placed.
+    pub odd: &'a mut Vec<u32>,
 }
 
-impl Default for Edges {
-    fn default() -> Self {
-        Self { axis: [0; BATCH], low: [[0; BATCH]; 3], count: 0 }
-    }
-}
-
-impl Edges {
-    /// Adds an edge and says whether the batch is full now.
-    ///
-    /// # Panics
-    ///
-    /// If it was full before.
-    #[inline(always)]
-    pub fn push(&mut self, axis: usize, low: [u32; 3]) -> bool {
-        self.axis[self.count] = axis as u32;
-        self.low[0][self.count] = low[0];
-        self.low[1][self.count] = low[1];
-        self.low[2][self.count] = low[2];
-        self.count += 1;
-        self.count == BATCH
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// Axis and lower end of edge `n`.
-    pub fn get(&self, n: usize) -> (usize, [u32; 3]) {
-        (self.axis[n] as usize, [self.low[0][n], self.low[1][n], self.low[2][n]])
-    }
-
-    /// Forgets all of them.
-    pub fn clear(&mut self) {
-        self.count = 0;
-    }
-}
-
-/// The vertices of a batch.
-#[derive(Clone, Debug)]
-pub struct Vertices<C> {
-    /// Where they are, in world space.
-    pub positions: [[C; 3]; BATCH],
-    /// Unit normals, against the gradient.
-    pub normals: [[f32; 3]; BATCH],
-    /// Bit `n` is set where the vertex of edge `n` has yet to be placed.
-    pub odd: u32,
-}
-
-impl<C: Coordinate> Default for Vertices<C> {
-    fn default() -> Self {
-        let positions = [[C::default(); 3]; BATCH];
-        Self { positions, normals: [[0.0; 3]; BATCH], odd: 0 }
-    }
-}
-
-/// Whether normals are made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Normals {
-    /// They are not.
-    None,
-    /// They are.
-    Gradient,
-}
-
-/// Places the vertices of a batch of edges. An edge whose ends are not both samples is odd.
+/// Places the vertices of edges. An edge whose ends are not both samples is odd.
+///
+/// # Panics
+///
+/// If `out` has not room for exactly one vertex per edge.
 pub fn vertices<T: Lane, C: Coordinate>(
     samples: &Samples<'_, T>,
     field: &Field,
     edges: &Edges,
-    normals: Normals,
-    out: &mut Vertices<C>,
+    out: Vertices<'_, C>,
 ) {
-    vertices_at(Level::current(), samples, field, edges, normals, out);
+    vertices_at(Level::current(), samples, field, edges, out);
 }
 
 fn vertices_at<T: Lane, C: Coordinate>(
@@ -217,175 +139,309 @@ fn vertices_at<T: Lane, C: Coordinate>(
     samples: &Samples<'_, T>,
     field: &Field,
     edges: &Edges,
-    normals: Normals,
-    out: &mut Vertices<C>,
+    out: Vertices<'_, C>,
 ) {
-    let batch = Batch { samples, field, edges, normals };
+    let kernel = Kernel { samples, field, directions: field.directions(), edges };
     match level {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { batch.avx512(out) }
+            unsafe { kernel.avx512(out) }
         }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { batch.avx2(out) }
+            unsafe { kernel.avx2(out) }
         }
-        _ => batch.place(Plain, out),
+        _ => kernel.run(Plain, out),
     }
 }
 
-struct Batch<'b, 'a, T> {
+struct Kernel<'b, 'a, T> {
     samples: &'b Samples<'a, T>,
     field: &'b Field,
+    directions: [[f32; 3]; 3],
     edges: &'b Edges,
-    normals: Normals,
 }
 
-/// One number for each edge.
-type Lanes<N = f64> = [N; BATCH];
-
-/// An end of every edge: its number among the samples, and its place along x, y, z.
-struct Ends {
-    number: Lanes<i64>,
-    place: [Lanes<u32>; 3],
+/// The edges of a batch: the places of both ends along x, y, z, and what is true of each edge.
+struct Batch<W: Wide> {
+    axis: W::U32,
+    low: [W::U32; 3],
+    high: [W::U32; 3],
+    /// The lower end is not a sample, or the upper one.
+    is_outside: u16,
+    /// Both ends have both neighbours along every axis.
+    is_inner: bool,
 }
 
-impl<T: Lane> Batch<'_, '_, T> {
+/// The samples at both ends of each edge, and the differences of their neighbours along x, y, z: those
+/// two steps apart, and at a border twice those one step apart. No differences where none are wanted.
+struct Around<W: Wide, E: Exact> {
+    ends: [E::Of<W>; 2],
+    differences: Option<[[W::F32; 3]; 2]>,
+}
+
+impl<T: Lane> Kernel<'_, '_, T> {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    fn avx2<C: Coordinate>(&self, out: &mut Vertices<C>) {
-        self.place(Plain, out);
+    fn avx2<C: Coordinate>(&self, out: Vertices<'_, C>) {
+        self.run(Plain, out);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-    fn avx512<C: Coordinate>(&self, out: &mut Vertices<C>) {
-        // SAFETY: this function runs only where the machine has AVX-512 F.
-        self.place(unsafe { load::Gather::new() }, out);
+    fn avx512<C: Coordinate>(&self, out: Vertices<'_, C>) {
+        // SAFETY: this function runs only where the machine has AVX-512 F, BW, DQ and VL.
+        self.run(unsafe { wide::Avx512::new() }, out);
     }
 
     #[inline(always)]
-    fn place<C: Coordinate>(&self, load: impl Load, out: &mut Vertices<C>) {
-        let Field { iso, slope, intercept, reach, .. } = *self.field;
-        let (low, high, mut is_odd) = self.ends();
-        let value = |ends: &Ends| {
-            // SAFETY: both ends of every edge are lattice points, as `ends` makes them.
-            let stored = unsafe { load.load(self.samples, &ends.number) };
-            each!(n => (stored[n] * slope + intercept) - iso)
-        };
-        let (a, b) = (value(&low), value(&high));
-        let difference = each!(n => a[n] - b[n]);
-        // Not `clamp`, which asks after NaN; those are odd.
-        let delta = each!(n => ((a[n] + b[n]) / difference[n] * 0.5).max(-reach).min(reach));
-        for n in 0..BATCH {
-            is_odd[n] |= !difference[n].is_finite();
+    fn run<C: Coordinate>(&self, wide: impl Wide, out: Vertices<'_, C>) {
+        let Vertices { positions, mut normals, odd } = out;
+        assert_eq!(positions.len(), self.edges.len(), "room for every vertex");
+        let mut places = [[C::default(); 3]; BATCH];
+        let mut directions = [[0.0; 3]; BATCH];
+        for (number, positions) in positions.chunks_mut(BATCH).enumerate() {
+            let (first, own) = (number * BATCH, positions.len());
+            let normals = normals.as_mut().map(|all| &mut all[first..first + own]);
+            // The last batch may have less room than it has numbers.
+            let is_whole = own == BATCH;
+            let to = if is_whole { positions.first_chunk_mut() } else { None };
+            let (is_wanted, normals_to) = match (normals, is_whole) {
+                (None, _) => (false, None),
+                (Some(normals), true) => (true, normals.first_chunk_mut()),
+                (Some(_), false) => (true, None),
+            };
+            let normals_to = is_wanted.then(|| normals_to.unwrap_or(&mut directions));
+            let is_odd = self.batch(wide, first, to.unwrap_or(&mut places), normals_to);
+            let mut left = is_odd & (u16::MAX >> (BATCH - own));
+            while left != 0 {
+                odd.push(first as u32 + left.trailing_zeros());
+                left &= left - 1;
+            }
         }
-        self.write_positions(&delta, &mut out.positions);
-        if self.normals == Normals::Gradient {
-            let share = each!(n => 0.5 + delta[n]);
-            let gradients = [self.gradients(load, &low), self.gradients(load, &high)];
-            self.write_normals(gradients, share, &mut is_odd, &mut out.normals);
-        }
-        out.odd = (0..BATCH).fold(0, |odd, n| odd | u32::from(is_odd[n]) << n);
-        out.odd &= (1 << self.edges.count) - 1;
-    }
-
-    /// Both ends of every edge, and which edges do not lie between two samples. Those stand on the first
-    /// sample instead, so that all numbers are sound.
-    #[inline(always)]
-    fn ends(&self) -> (Ends, Ends, Lanes<bool>) {
-        let Edges { axis, low, .. } = self.edges;
-        let (dims, strides) = (self.samples.dims(), self.samples.strides());
-        let step = |n: usize, along: usize| u32::from(axis[n] == along as u32);
-        // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and + 1 does not overflow.
-        let outside = |n: usize, along: usize| {
-            low[along][n] >= dims[along]
-                || low[along][n].wrapping_add(step(n, along)) >= dims[along]
-        };
-        let is_odd = each!(n => outside(n, 0) | outside(n, 1) | outside(n, 2));
-        let low: [Lanes<u32>; 3] =
-            each_axis!(along => each!(n => if is_odd[n] { 0 } else { low[along][n] }));
-        let high: [Lanes<u32>; 3] = each_axis!(along => each!(n => if is_odd[n] { 0 } else { low[along][n] + step(n, along) }));
-        let number = |place: &[Lanes<u32>; 3]| {
-            each!(n => {
-                let along = |axis: usize| i64::from(place[axis][n]) * strides[axis];
-                self.samples.first() + along(0) + along(1) + along(2)
-            })
-        };
-        let ends = |place: [Lanes<u32>; 3]| Ends { number: number(&place), place };
-        (ends(low), ends(high), is_odd)
-    }
-
-    #[inline(always)]
-    fn write_positions<C: Coordinate>(&self, delta: &Lanes, out: &mut [[C; 3]; BATCH]) {
-        let Edges { axis, low, .. } = self.edges;
-        let ijk: [Lanes; 3] = each_axis!(along => {
-            each!(n => {
-                let place = f64::from(low[along][n]);
-                if axis[n] == along as u32 { place + 0.5 + delta[n] } else { place }
-            })
-        });
-        let mut world = [[0.0; BATCH]; 3];
-        for n in 0..BATCH {
-            let place = self.field.world([ijk[0][n], ijk[1][n], ijk[2][n]]);
-            [world[0][n], world[1][n], world[2][n]] = place;
-        }
-        let world = each_axis!(k => each!(n => C::round(world[k][n])));
-        for (n, place) in out.iter_mut().enumerate() {
-            *place = [world[0][n], world[1][n], world[2][n]];
+        let (whole, rest) = positions.as_chunks_mut::<BATCH>();
+        rest.copy_from_slice(&places[..rest.len()]);
+        if let Some(normals) = normals {
+            normals[whole.len() * BATCH..].copy_from_slice(&directions[..rest.len()]);
         }
     }
 
-    /// Differences in index space at an end of each edge, one-sided at the border.
+    /// The vertices of the batch that begins with edge `first`; the bits of those that are odd.
     #[inline(always)]
-    fn gradients(&self, load: impl Load, ends: &Ends) -> [Lanes; 3] {
-        let (dims, strides) = (self.samples.dims(), self.samples.strides());
-        each_axis!(along => {
-            let (place, last) = (&ends.place[along], dims[along] - 1);
-            let below: Lanes<i64> = each!(n => if place[n] > 0 { strides[along] } else { 0 });
-            let above: Lanes<i64> = each!(n => if place[n] < last { strides[along] } else { 0 });
-            let factor = each!(n => if place[n] > 0 && place[n] < last { 0.5 } else { 1.0 });
-            let (below, above) =
-                (each!(n => ends.number[n] - below[n]), each!(n => ends.number[n] + above[n]));
-            // SAFETY: an end is a lattice point; one step down is too unless its place is 0, and one
-            // step up unless its place is the last, and then no step is made.
-            let [lower, upper] =
-                unsafe { [load.load(self.samples, &below), load.load(self.samples, &above)] };
-            each!(n => (upper[n] - lower[n]) * factor[n] * self.field.slope)
-        })
-    }
-
-    #[inline(always)]
-    fn write_normals(
+    fn batch<C: Coordinate, W: Wide>(
         &self,
-        [low, high]: [[Lanes; 3]; 2],
-        share: Lanes,
-        is_odd: &mut Lanes<bool>,
+        wide: W,
+        first: usize,
+        positions: &mut [[C; 3]; BATCH],
+        normals: Option<&mut [[f32; 3]; BATCH]>,
+    ) -> u16 {
+        let batch = self.ends(wide, first);
+        let around = match batch.is_inner && self.samples.is_near() {
+            true => self.inner(wide, &batch, normals.is_some()),
+            false => self.border(wide, &batch, normals.is_some()),
+        };
+        let (a, b) = (self.above_iso(wide, around.ends[0]), self.above_iso(wide, around.ends[1]));
+        let (difference, half, reach) = (a - b, wide.f64(0.5), self.field.reach);
+        let delta = (a + b) / difference * half;
+        let delta = delta.max(wide.f64(-reach)).min(wide.f64(reach));
+        C::write(wide, self.places(wide, &batch, delta), positions);
+        let infinite = wide.f64(f64::INFINITY);
+        let is_finite = difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference);
+        let mut is_odd = batch.is_outside | !is_finite;
+        if let (Some(normals), Some(differences)) = (normals, around.differences) {
+            let share = wide.f64_to_f32(half + delta);
+            is_odd |= self.write_normals(wide, differences, share, normals);
+        }
+        is_odd
+    }
+
+    /// Values less the isovalue.
+    #[inline(always)]
+    fn above_iso<W: Wide>(&self, wide: W, end: <T::Exact as Exact>::Of<W>) -> W::F64 {
+        let Field { iso, slope, intercept, .. } = *self.field;
+        let value = T::Exact::to_f64(wide, end) * wide.f64(slope) + wide.f64(intercept);
+        value - wide.f64(iso)
+    }
+
+    /// Both ends of the edges of a batch.
+    #[inline(always)]
+    fn ends<W: Wide>(&self, wide: W, first: usize) -> Batch<W> {
+        let [axis, x, y] = self.edges.batch(first);
+        let (axis, low) = (wide.load(axis), [wide.load(x), wide.load(y), wide.u32(self.edges.z())]);
+        let (zero, one) = (wide.u32(0), wide.u32(1));
+        let mut high = low;
+        let (mut is_sample, mut is_inner) = (u16::MAX, u16::MAX);
+        for along in 0..3 {
+            let is_along = wide.equal(axis, wide.u32(along as u32));
+            high[along] = low[along] + wide.select(is_along, one, zero);
+            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them.
+            let size = self.samples.dims()[along];
+            let within = wide.u32(size.saturating_sub(2));
+            for end in [low[along], high[along]] {
+                is_sample &= wide.less(end, wide.u32(size));
+                is_inner &= wide.less(end + wide.u32(u32::MAX), within);
+            }
+        }
+        Batch { axis, low, high, is_outside: !is_sample, is_inner: is_inner == u16::MAX }
+    }
+
+    /// What is around edges that are all inner ones.
+    #[inline(always)]
+    fn inner<W: Wide>(
+        &self,
+        wide: W,
+        batch: &Batch<W>,
+        with_differences: bool,
+    ) -> Around<W, T::Exact> {
+        let strides = self.samples.strides();
+        // Numbers in a slice fit, as `is_near` says.
+        let steps = [wide.u32(strides[0] as u32), wide.u32(strides[1] as u32)];
+        let low = batch.low[0] * steps[0] + batch.low[1] * steps[1];
+        let mut step = wide.u32(strides[2] as u32);
+        step = wide.select(wide.equal(batch.axis, wide.u32(1)), steps[1], step);
+        step = wide.select(wide.equal(batch.axis, wide.u32(0)), steps[0], step);
+        let ends = [low, low + step];
+        let slice = self.samples.first() + i64::from(self.edges.z()) * strides[2];
+        // SAFETY: both ends of every edge are samples, and so are their neighbours along every axis.
+        unsafe {
+            Around {
+                ends: [
+                    wide.near(self.samples, slice, ends[0]),
+                    wide.near(self.samples, slice, ends[1]),
+                ],
+                differences: match with_differences {
+                    true => Some([
+                        self.differences(wide, slice, ends[0]),
+                        self.differences(wide, slice, ends[1]),
+                    ]),
+                    false => None,
+                },
+            }
+        }
+    }
+
+    /// The differences between the neighbours of samples, along x, y, z.
+    ///
+    /// # Safety
+    ///
+    /// Each sample must have them.
+    #[inline(always)]
+    unsafe fn differences<W: Wide>(&self, wide: W, from: i64, at: W::U32) -> [W::F32; 3] {
+        let mut differences = [wide.f32(0.0); 3];
+        for (difference, stride) in differences.iter_mut().zip(self.samples.strides()) {
+            // SAFETY: the caller says so.
+            let [above, below] = unsafe {
+                [
+                    wide.near(self.samples, from + stride, at),
+                    wide.near(self.samples, from - stride, at),
+                ]
+            };
+            *difference = T::Exact::difference(wide, above, below);
+        }
+        differences
+    }
+
+    /// What is around any edges. Instead of one that lies outside the first sample is looked at.
+    #[inline(always)]
+    fn border<W: Wide>(
+        &self,
+        wide: W,
+        batch: &Batch<W>,
+        with_differences: bool,
+    ) -> Around<W, T::Exact> {
+        let mut samples = [[T::Exact::default(); BATCH]; 2];
+        let mut steps = [[[[T::Exact::default(); BATCH]; 2]; 3]; 2];
+        let mut scales = [[[1.0; BATCH]; 3]; 2];
+        for (end, places) in [batch.low, batch.high].into_iter().enumerate() {
+            let [x, y, z] = [wide.store(places[0]), wide.store(places[1]), wide.store(places[2])];
+            for n in 0..BATCH {
+                let is_outside = batch.is_outside >> n & 1 == 1;
+                let place = if is_outside { [0; 3] } else { [x[n], y[n], z[n]] };
+                samples[end][n] = self.sample(place);
+                for along in 0..if with_differences { 3 } else { 0 } {
+                    let last = self.samples.dims()[along] - 1;
+                    let to = [(place[along] + 1).min(last), place[along].saturating_sub(1)];
+                    for (step, to) in to.into_iter().enumerate() {
+                        let mut moved = place;
+                        moved[along] = to;
+                        steps[end][along][step][n] = self.sample(moved);
+                    }
+                    if to[0] - to[1] < 2 {
+                        scales[end][along][n] = 2.0;
+                    }
+                }
+            }
+        }
+        let mut differences = [[wide.f32(0.0); 3]; 2];
+        for (end, along) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)] {
+            let [above, below] = &steps[end][along];
+            let (above, below) = (T::Exact::load(wide, above), T::Exact::load(wide, below));
+            let difference = T::Exact::difference(wide, above, below);
+            differences[end][along] = difference * wide.load_f32(&scales[end][along]);
+        }
+        Around {
+            ends: [T::Exact::load(wide, &samples[0]), T::Exact::load(wide, &samples[1])],
+            differences: if with_differences { Some(differences) } else { None },
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, place: [u32; 3]) -> T::Exact {
+        let (dims, strides) = (self.samples.dims(), self.samples.strides());
+        debug_assert!(place.iter().zip(dims).all(|(&place, size)| place < size), "{place:?}");
+        let along = |axis: usize| i64::from(place[axis]) * strides[axis];
+        let number = self.samples.first() + along(0) + along(1) + along(2);
+        // SAFETY: `place` is a lattice point, whose sample lies in the slice.
+        unsafe { *self.samples.all().get_unchecked(number as usize) }.exact()
+    }
+
+    /// Where the crossings are in world space.
+    #[inline(always)]
+    fn places<W: Wide>(&self, wide: W, batch: &Batch<W>, delta: W::F64) -> [W::F64; 3] {
+        let Field { columns, origin, first_slice, .. } = self.field;
+        let first = [0.0, 0.0, *first_slice];
+        let mut ijk = [delta; 3];
+        for along in 0..3 {
+            let low = wide.u32_to_f64(batch.low[along]) + wide.f64(first[along]);
+            let is_along = wide.equal(batch.axis, wide.u32(along as u32));
+            ijk[along] = wide.select_f64(is_along, low + wide.f64(0.5) + delta, low);
+        }
+        let mut world = ijk;
+        for k in 0..3 {
+            let z = wide.f64(columns[2][k]) * ijk[2] + wide.f64(origin[k]);
+            let y_z = wide.f64(columns[1][k]) * ijk[1] + z;
+            world[k] = wide.f64(columns[0][k]) * ijk[0] + y_z;
+        }
+        world
+    }
+
+    /// The normals of gradients between those of the ends; the bits of those that are odd.
+    #[inline(always)]
+    fn write_normals<W: Wide>(
+        &self,
+        wide: W,
+        [low, high]: [[W::F32; 3]; 2],
+        share: W::F32,
         out: &mut [[f32; 3]; BATCH],
-    ) {
-        let gradient: [Lanes; 3] = each_axis!(axis => each!(n => low[axis][n] * (1.0 - share[n]) + high[axis][n] * share[n]));
-        let mut world = [[0.0; BATCH]; 3];
-        for n in 0..BATCH {
-            let g = self.field.world_gradient([gradient[0][n], gradient[1][n], gradient[2][n]]);
-            [world[0][n], world[1][n], world[2][n]] = g;
+    ) -> u16 {
+        let (rest, d) = (wide.f32(1.0) - share, &self.directions);
+        let mut mixed = low;
+        for along in 0..3 {
+            mixed[along] = low[along] * rest + high[along] * share;
         }
-        let greatest = each!(n => world[0][n].abs().max(world[1][n].abs()).max(world[2][n].abs()));
-        let outward = each!(n => {
-            let [a, b, c] = [world[0][n], world[1][n], world[2][n]];
-            -1.0 / (a * a + b * b + c * c).sqrt()
-        });
-        let normal = each_axis!(k => each!(n => (world[k][n] * outward[n]) as f32));
-        for n in 0..BATCH {
-            // A NaN among the parts may hide behind the maximum of the others, not behind a sum.
-            let sum = low[0][n] + low[1][n] + low[2][n] + high[0][n] + high[1][n] + high[2][n];
-            is_odd[n] |= !(greatest[n] >= TAME.start && greatest[n] < TAME.end && sum.is_finite());
+        let mut world = mixed;
+        for k in 0..3 {
+            let x_y = wide.f32(d[0][k]) * mixed[0] + wide.f32(d[1][k]) * mixed[1];
+            world[k] = x_y + wide.f32(d[2][k]) * mixed[2];
         }
-        for (n, place) in out.iter_mut().enumerate() {
-            *place = [normal[0][n], normal[1][n], normal[2][n]];
-        }
+        let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
+        let outward = wide.f32(-1.0) / square.sqrt();
+        wide.interleave([world[0] * outward, world[1] * outward, world[2] * outward], out);
+        // What is not finite anywhere before is beyond these.
+        !(square.less(wide.f32(TAME.end)) & wide.f32(TAME.start).less(square))
     }
 }

@@ -7,9 +7,7 @@ use crate::{
     vertex::Placement,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{
-    Coordinate, Edges, FirstVertices, Normals, Vertices, Word, prefer_large_pages, triangles,
-};
+use isokit_lanes::{Coordinate, Edges, FirstVertices, Word, prefer_large_pages, triangles};
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -38,11 +36,19 @@ struct Room<'a, C> {
     normals: Option<&'a mut [[f32; 3]]>,
 }
 
-/// Vertices on the way to their places, 16 at a time.
-struct Stream<'a, C> {
-    room: Room<'a, C>,
+/// What a task needs beside its part of the output: memory that is used again for every slice.
+#[derive(Default)]
+struct Scratch {
+    words: Vec<Word>,
+    along_x_and_y: Queue,
+    along_z: Queue,
+}
+
+/// Edges on their way to vertices.
+#[derive(Default)]
+struct Queue {
     edges: Edges,
-    vertices: Vertices<C>,
+    odd: Vec<u32>,
 }
 
 impl<T: Sample> Fill<'_, T> {
@@ -88,9 +94,9 @@ impl<T: Sample> Fill<'_, T> {
         }
         tasks.into_par_iter().try_for_each(|(slices, mut room, mut triangles)| {
             job.check()?;
-            let mut words = vec![];
+            let mut scratch = Scratch::default();
             for z in slices {
-                self.slice(z, &mut room, &mut triangles, &mut words);
+                self.slice(z, &mut room, &mut triangles, &mut scratch);
                 job.progress.advance(1);
             }
             Ok(())
@@ -103,28 +109,39 @@ impl<T: Sample> Fill<'_, T> {
         z: usize,
         room: &mut Room<'_, C>,
         triangles: &mut &mut [[u32; 3]],
-        words: &mut Vec<Word>,
+        scratch: &mut Scratch,
     ) {
+        let Scratch { words, along_x_and_y, along_z } = scratch;
         let [_, ny, nz] = self.planes.lattice.points;
         let first = self.layout.row(self.planes.lattice, 0, z);
         let end = self.layout.slices[z + 1].vertices as u32;
-        let mut along_x_and_y = Stream::new(room.split_off((first.z - first.x) as usize));
-        let mut along_z = Stream::new(room.split_off((end - first.z) as usize));
+        let mut flat = room.split_off((first.z - first.x) as usize);
+        let mut upright = room.split_off((end - first.z) as usize);
+        along_x_and_y.edges.begin(self.sample(z));
+        along_z.edges.begin(self.sample(z));
         for y in 0..ny {
             if self.layout.is_blank(self.planes.lattice, y, z) {
                 continue;
             }
             self.layout.words_of_row(self.planes, [y, z], words);
-            self.edges(0, [y, z], words, &mut along_x_and_y);
-            self.edges(1, [y, z], words, &mut along_x_and_y);
-            self.edges(2, [y, z], words, &mut along_z);
+            // The farthest neighbours of an edge to the next slice; all others were there before.
+            self.placement.expect([0, y, z + 2].map(|n| self.sample(n)), words);
+            self.edges(0, y, words, along_x_and_y, &mut flat);
+            self.edges(1, y, words, along_x_and_y, &mut flat);
+            self.edges(2, y, words, along_z, &mut upright);
             if y + 1 < ny && z + 1 < nz {
                 let written = self.triangles([y, z], words, triangles);
                 split_off(triangles, written);
             }
         }
-        along_x_and_y.flush(&self.placement);
-        along_z.flush(&self.placement);
+        self.flush(along_x_and_y, &mut flat);
+        self.flush(along_z, &mut upright);
+    }
+
+    /// The number of the sample at a lattice index. A guard before the first has −1, which wraps.
+    #[inline(always)]
+    fn sample(&self, point: usize) -> u32 {
+        point.wrapping_sub(self.planes.lattice.guard) as u32
     }
 
     /// Sends the edges along one axis that a row owns and that are cut to their vertices.
@@ -132,24 +149,27 @@ impl<T: Sample> Fill<'_, T> {
     fn edges<C: Coordinate>(
         &self,
         axis: usize,
-        [y, z]: [usize; 2],
-        words: &[Word],
-        stream: &mut Stream<'_, C>,
+        y: usize,
+        mut words: &[Word],
+        queue: &mut Queue,
+        room: &mut Room<'_, C>,
     ) {
-        // A guard before the first sample has the number −1, which wraps.
-        let sample = |point: usize| point.wrapping_sub(self.planes.lattice.guard) as u32;
-        let (y, z) = (sample(y), sample(z));
-        for word in words {
-            let first = sample(word.first);
-            let mut cuts = word.owned()[axis];
-            while cuts != 0 {
-                let x = first.wrapping_add(cuts.trailing_zeros());
-                cuts &= cuts - 1;
-                if stream.edges.push(axis, [x, y, z]) {
-                    stream.flush(&self.placement);
-                }
+        loop {
+            let taken = queue.edges.push(axis, [self.sample(0), self.sample(y)], words);
+            words = &words[taken..];
+            if words.is_empty() {
+                return;
             }
+            self.flush(queue, room);
         }
+    }
+
+    /// Writes the vertices of the edges in a queue.
+    fn flush<C: Coordinate>(&self, queue: &mut Queue, room: &mut Room<'_, C>) {
+        let Queue { edges, odd } = queue;
+        let Room { positions, normals } = room.split_off(edges.len());
+        self.placement.place(edges, positions, normals, odd);
+        edges.clear();
     }
 
     /// The triangles of the cells that start in a row, to the front of `out`.
@@ -176,28 +196,6 @@ impl<'a, C: Coordinate> Room<'a, C> {
             positions: split_off(&mut self.positions, vertices),
             normals: self.normals.as_mut().map(|normals| split_off(normals, vertices)),
         }
-    }
-}
-
-impl<'a, C: Coordinate> Stream<'a, C> {
-    fn new(room: Room<'a, C>) -> Self {
-        Self { room, edges: Edges::default(), vertices: Vertices::default() }
-    }
-
-    /// Writes what is on the way.
-    fn flush<T: Sample>(&mut self, placement: &Placement<'_, T>) {
-        if self.edges.is_empty() {
-            return;
-        }
-        let count = self.edges.len();
-        let Room { positions, normals } = self.room.split_off(count);
-        let wanted = if normals.is_some() { Normals::Gradient } else { Normals::None };
-        placement.place(&self.edges, wanted, &mut self.vertices);
-        positions.copy_from_slice(&self.vertices.positions[..count]);
-        if let Some(normals) = normals {
-            normals.copy_from_slice(&self.vertices.normals[..count]);
-        }
-        self.edges.clear();
     }
 }
 

@@ -12,7 +12,7 @@ use crate::{
     planes::{Lattice, Planes},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Word, count, words_of_row};
+use isokit_lanes::{RowCounts, Word, count, count_row, words_of_row};
 use isokit_mesh::Counts;
 use rayon::prelude::*;
 
@@ -111,19 +111,29 @@ impl Layout {
 }
 
 /// The words of a row that hold a crossed cell or a cut edge that the row owns.
-///
-/// Beyond the last row or slice the row itself stands in, so that no edge leads there.
 fn words(planes: &Planes, live: Option<&LiveCells>, [y, z]: [usize; 2], out: &mut Vec<Word>) {
-    let [nx, ny, nz] = planes.lattice.points;
-    let (next_y, next_z) = ((y + 1).min(ny - 1), (z + 1).min(nz - 1));
-    let rows = [(y, z), (next_y, z), (y, next_z), (next_y, next_z)];
-    words_of_row(rows.map(|(y, z)| planes.inside.row(y, z)), nx, out);
+    let (rows, has_cells) = rows(planes, [y, z]);
+    words_of_row(rows, planes.lattice.points[0], out);
     if let Some(live) = live {
         out.iter_mut().for_each(|word| live.restrict(word, [y, z]));
     }
-    if next_y == y || next_z == z {
+    if !has_cells {
         out.iter_mut().for_each(|word| word.active = 0);
     }
+}
+
+/// The four rows around the cells that start in row `y`, `z`, and whether there are cells. Beyond the
+/// last row or slice the row itself stands in, so that no edge leads there.
+#[inline(always)]
+fn rows(planes: &Planes, [y, z]: [usize; 2]) -> ([&[u64]; 4], bool) {
+    let [_, ny, nz] = planes.lattice.points;
+    let (next_y, next_z) = ((y + 1).min(ny - 1), (z + 1).min(nz - 1));
+    let inside = &planes.inside;
+    let [low, high] = [
+        [inside.row(y, z), inside.row(next_y, z)],
+        [inside.row(y, next_z), inside.row(next_y, next_z)],
+    ];
+    ([low[0], low[1], high[0], high[1]], next_y > y && next_z > z)
 }
 
 fn count_slice(
@@ -135,8 +145,14 @@ fn count_slice(
 ) -> Counts {
     let mut counts = Counts::default();
     for (y, row) in slice.iter_mut().enumerate() {
-        words(planes, live, [y, z], scratch);
-        let found = count(scratch, &CASES.counts);
+        let found = if live.is_some() {
+            words(planes, live, [y, z], scratch);
+            count(scratch, &CASES.counts)
+        } else {
+            let (rows, has_cells) = rows(planes, [y, z]);
+            let found = count_row(rows, planes.lattice.points[0], &CASES.counts);
+            RowCounts { triangles: if has_cells { found.triangles } else { 0 }, ..found }
+        };
         *row = Row { x: found.x, y: found.y, z: found.z, triangles: found.triangles };
         counts.vertices += u64::from(row.x) + u64::from(row.y) + u64::from(row.z);
         counts.triangles += u64::from(row.triangles);

@@ -32,7 +32,7 @@ impl LiveCells {
         // Cell rows are asked for one before their own as well; before the first there is none.
         let row = |dy: usize, dz: usize| self.word(y.wrapping_add(dy), z.wrapping_add(dz), w);
         let before = usize::MAX;
-        for (n, x) in word.x.iter_mut().enumerate() {
+        for (n, x) in word.cuts[..4].iter_mut().enumerate() {
             let (dy, dz) = (n & 1, n >> 1);
             let (by, bz) = (dy.wrapping_add(before), dz.wrapping_add(before));
             *x &= row(dy, dz)[1] | row(by, dz)[1] | row(dy, bz)[1] | row(by, bz)[1];
@@ -44,8 +44,8 @@ impl LiveCells {
         };
         for n in 0..2_usize {
             let b = n.wrapping_add(before);
-            word.y[n] &= both([row(0, n), row(0, b)]);
-            word.z[n] &= both([row(n, 0), row(b, 0)]);
+            word.cuts[4 + n] &= both([row(0, n), row(0, b)]);
+            word.cuts[6 + n] &= both([row(n, 0), row(b, 0)]);
         }
         word.active &= row(0, 0)[1];
     }

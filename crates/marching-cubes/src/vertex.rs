@@ -5,8 +5,11 @@
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
 
-use isokit_lanes::{Coordinate, Edges, Field, Normals, Samples, TAME, Vertices, vertices};
+use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
 use isokit_volume::{Sample, View, gradient};
+
+/// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
+const TAME: std::ops::Range<f64> = 1e-120..1e120;
 
 /// A cut edge of the lattice.
 #[derive(Clone, Copy, Debug)]
@@ -41,32 +44,45 @@ impl<'a, T: Sample> Placement<'a, T> {
             columns: affine.columns(),
             origin: affine.origin(),
             covectors: affine.covector_columns(),
+            first_slice: 0.0,
         };
         Self { samples: view.samples(), view, field }
     }
 
-    /// Places a batch of edges. Edges between samples go to the kernel; those to a guard, and those that
-    /// the kernel calls odd, are placed one by one. Both do the same arithmetic.
+    /// Places the vertices of edges. Edges between samples go to the kernel; those to a guard, and those
+    /// that the kernel calls odd, are placed one by one.
     pub(crate) fn place<C: Coordinate>(
         &self,
         edges: &Edges,
-        normals: Normals,
-        out: &mut Vertices<C>,
+        positions: &mut [[C; 3]],
+        mut normals: Option<&mut [[f32; 3]]>,
+        odd: &mut Vec<u32>,
     ) {
+        odd.clear();
         match &self.samples {
-            Some(samples) => vertices(samples, &self.field, edges, normals, out),
-            None => out.odd = u32::MAX >> (32 - edges.len()),
+            Some(samples) => {
+                let normals = normals.as_deref_mut();
+                let out = Vertices { positions: &mut *positions, normals, odd: &mut *odd };
+                vertices(samples, &self.field, edges, out);
+            }
+            None => odd.extend(0..edges.len() as u32),
         }
-        let mut odd = out.odd;
-        while odd != 0 {
-            let n = odd.trailing_zeros() as usize;
-            odd &= odd - 1;
+        for n in odd.iter().map(|&n| n as usize) {
             let (axis, low) = edges.get(n);
             let cut = self.cut(axis, low);
-            out.positions[n] = self.position(&cut);
-            if normals == Normals::Gradient {
-                out.normals[n] = self.normal(&cut);
+            positions[n] = self.position(&cut);
+            if let Some(normals) = &mut normals {
+                normals[n] = self.normal(&cut);
             }
+        }
+    }
+
+    /// Says that samples around edges of `words`, whose bit 0 of word 0 is sample `first`, will soon be
+    /// asked for.
+    #[inline(always)]
+    pub(crate) fn expect(&self, first: [u32; 3], words: &[Word]) {
+        if let Some(samples) = &self.samples {
+            samples.prefetch(first, words);
         }
     }
 
@@ -88,6 +104,7 @@ impl<'a, T: Sample> Placement<'a, T> {
     /// The position of a cut in world space.
     fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
         let mut ijk = cut.low;
+        ijk[2] += self.field.first_slice;
         ijk[cut.axis] = ijk[cut.axis] + 0.5 + cut.delta;
         self.field.world(ijk).map(C::round)
     }
@@ -120,14 +137,21 @@ impl<'a, T: Sample> Placement<'a, T> {
 
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
     fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
-        let world = self.field.world_gradient(gradient);
+        let world = self.world_gradient(gradient);
         if TAME.contains(&greatest(world)) {
             return Some(against(world));
         }
         // Divided by its greatest part first, so that no square overflows or vanishes.
-        let world = self.field.world_gradient(gradient.map(|part| part / greatest(gradient)));
+        let world = self.world_gradient(gradient.map(|part| part / greatest(gradient)));
         let longest = greatest(world);
         (longest > 0.0).then(|| against(world.map(|part| part / longest)))
+    }
+
+    /// The gradient in world space of a gradient in index space.
+    fn world_gradient(&self, gradient: [f64; 3]) -> [f64; 3] {
+        let columns = &self.field.covectors;
+        let along = |k: usize, axis: usize| columns[axis][k] * gradient[axis];
+        std::array::from_fn(|k| along(k, 0) + along(k, 1) + along(k, 2))
     }
 }
 
@@ -172,9 +196,10 @@ fn greatest(v: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Placement, delta};
+    use super::{Placement, delta, greatest};
     use isokit_geom::{Affine, Frame};
-    use isokit_volume::{Grid, Volume};
+    use isokit_lanes::{Edges, Word};
+    use isokit_volume::{Grid, Volume, gradient};
     use proptest::prelude::*;
 
     fn check(a: f64, b: f64, iso: f64) {
@@ -254,6 +279,43 @@ mod tests {
             Affine::axis_aligned([1e-12, 1.0, 1e6], [0.0; 3]).unwrap(),
             [1e12, 1.0, 1e-6],
         );
+    }
+
+    /// Sixteen steps of f32, for gradients at the ends that cancel no more than half.
+    #[test]
+    fn normals_made_sixteen_at_a_time_are_right_to_a_few_units_of_their_last_place() {
+        let frame = Affine::new([[0.5, 0.1, 0.0], [0.2, 0.7, 0.0], [0.1, -0.9, 2.5]], [0.0; 3]);
+        let frame = Frame { index_to_world: frame.unwrap(), ..Frame::default() };
+        let grid = Grid::new([20, 20, 20], frame).unwrap();
+        let mut state = 9_u64;
+        let mut chance = |_| {
+            state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
+            (state >> 40) as f32 / 1e5 - 80.0
+        };
+        let volume = Volume::new(grid, (0..8000).map(&mut chance).collect::<Vec<f32>>()).unwrap();
+        let placement = Placement::new(volume.view(), 0.0, 0.0);
+        let mut compared = 0;
+        for (axis, y) in (0..3).flat_map(|axis| (0..19).map(move |y| (axis, y))) {
+            let mut edges = Edges::default();
+            edges.begin(9);
+            edges.push(axis, [0, y], &[Word { cuts: [(1 << 19) - 1; 8], ..Word::default() }]);
+            let (mut positions, mut normals) = ([[0_f32; 3]; 19], [[0.0; 3]; 19]);
+            placement.place(&edges, &mut positions, Some(&mut normals), &mut vec![]);
+            for (n, normal) in normals.into_iter().enumerate() {
+                let (axis, low) = edges.get(n);
+                let cut = placement.cut(axis, low);
+                let mixed = greatest(placement.gradient(&cut));
+                let ends = cut.ends.map(|end| greatest(gradient(&volume.view(), end.unwrap())));
+                if mixed < 0.5 * ends[0].max(ends[1]) {
+                    continue;
+                }
+                compared += 1;
+                for (found, exact) in normal.into_iter().zip(placement.normal(&cut)) {
+                    assert!((found - exact).abs() < 16.0 * f32::EPSILON, "{found}, {exact}");
+                }
+            }
+        }
+        assert!(compared > 300, "{compared} normals");
     }
 
     #[test]

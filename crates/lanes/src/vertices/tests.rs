@@ -1,16 +1,17 @@
 //! Every level against one edge at a time, and against what is plain to see.
 
-use super::{BATCH, Edges, Field, Normals, TAME, Vertices, vertices_at};
-use crate::{Lane, Level, Samples};
+use super::{Edges, Field, TAME, Vertices, vertices_at};
+use crate::{Lane, Level, Samples, Word, word::OWN};
 
 const FIELD: Field = Field {
     iso: 0.5,
-    slope: 2.0,
+    slope: -2.0,
     intercept: -1.0,
     reach: 0.499,
     columns: [[0.9, 0.1, 0.0], [-0.1, 0.8, 0.2], [0.3, 0.0, 1.3]],
     origin: [10.0, -20.0, 0.125],
     covectors: [[1.1, 0.1, -0.2], [0.0, 1.2, 0.1], [0.3, 0.0, 0.8]],
+    first_slice: 1000.0,
 };
 
 struct Chance(u64);
@@ -26,15 +27,27 @@ impl Chance {
     }
 }
 
+/// How two samples are subtracted: as f32 where that holds them exactly, else as f64, and then rounded.
+type Difference = fn(f64, f64) -> f32;
+
+fn as_f32(a: f64, b: f64) -> f32 {
+    a as f32 - b as f32
+}
+
+fn as_f64(a: f64, b: f64) -> f32 {
+    (a - b) as f32
+}
+
 /// The definition, for one edge. `None` for what the kernel must call odd.
 fn one<T: Lane>(
     at: &dyn Fn([u32; 3]) -> T,
+    difference: Difference,
     dims: [u32; 3],
     (axis, low): (usize, [u32; 3]),
 ) -> Option<([f64; 3], [f32; 3])> {
     let mut high = low;
-    high[axis] += 1;
-    if (0..3).any(|k| high[k] >= dims[k]) {
+    high[axis] = high[axis].wrapping_add(1);
+    if (0..3).any(|k| low[k] >= dims[k] || high[k] >= dims[k]) {
         return None;
     }
     let value = |ijk| at(ijk).into() * FIELD.slope + FIELD.intercept;
@@ -43,8 +56,9 @@ fn one<T: Lane>(
     let delta = (a + b) / (a - b) * 0.5;
     let delta = if delta.is_nan() { -FIELD.reach } else { delta.clamp(-FIELD.reach, FIELD.reach) };
     let mut ijk = low.map(f64::from);
+    ijk[2] += FIELD.first_slice;
     ijk[axis] = ijk[axis] + 0.5 + delta;
-    let gradient = |ijk: [u32; 3]| -> [f64; 3] {
+    let gradient = |ijk: [u32; 3]| -> [f32; 3] {
         std::array::from_fn(|k| {
             let moved = |to: u32| {
                 let mut there = ijk;
@@ -52,26 +66,40 @@ fn one<T: Lane>(
                 at(there).into()
             };
             let (below, above) = (ijk[k].saturating_sub(1), (ijk[k] + 1).min(dims[k] - 1));
-            let factor = if above - below == 2 { 0.5 } else { 1.0 };
-            (moved(above) - moved(below)) * factor * FIELD.slope
+            let factor = if above - below == 2 { 1.0 } else { 2.0 };
+            difference(moved(above), moved(below)) * factor
         })
     };
     let (g, h) = (gradient(low), gradient(high));
-    let share = 0.5 + delta;
-    let mixed = std::array::from_fn(|k| g[k] * (1.0 - share) + h[k] * share);
-    let world = FIELD.world_gradient(mixed);
-    let greatest = world.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
-    let finite = (a - b).is_finite() && g.iter().chain(&h).all(|part| part.is_finite());
-    if !finite || !TAME.contains(&greatest) {
+    let share = (0.5 + delta) as f32;
+    let mixed: [f32; 3] = std::array::from_fn(|k| g[k] * (1.0 - share) + h[k] * share);
+    // The greatest part of the covectors is 1.2, and the slope is negative.
+    let along = |k: usize, axis: usize| (FIELD.covectors[axis][k] / -1.2) as f32 * mixed[axis];
+    let world: [f32; 3] = std::array::from_fn(|k| along(k, 0) + along(k, 1) + along(k, 2));
+    let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
+    let is_tame = square > TAME.start && square < TAME.end;
+    if !(is_tame && (a - b).is_finite()) {
         return None;
     }
-    let outward = -1.0 / (world[0] * world[0] + world[1] * world[1] + world[2] * world[2]).sqrt();
-    Some((FIELD.world(ijk), world.map(|part| (part * outward) as f32)))
+    let outward = -1.0 / square.sqrt();
+    Some((FIELD.world(ijk), world.map(|part| part * outward)))
 }
 
-fn check<T: Lane>(sample: fn(&mut Chance) -> T) {
+/// Edges as a row hands them over, one word each.
+fn edges(level: Level, list: &[(usize, [u32; 2])], z: u32) -> Edges {
+    let mut edges = Edges::default();
+    edges.begin(z);
+    for &(axis, [x, y]) in list {
+        let mut word = Word::default();
+        word.cuts[OWN[axis]] = 1;
+        assert_eq!(edges.push_at(level, axis, [x, y], &[word]), 1);
+    }
+    edges
+}
+
+fn check<T: Lane>(difference: Difference, sample: fn(&mut Chance) -> T) {
     let mut chance = Chance(11);
-    for dims in [[7, 5, 6], [1, 4, 3], [2, 2, 2], [5, 1, 1]] {
+    for dims in [[9, 7, 6], [1, 4, 3], [2, 2, 2], [5, 1, 1], [3, 4, 3], [4, 3, 5]] {
         let count = dims.iter().product::<u32>() as usize;
         let all: Vec<T> = (0..count).map(|_| sample(&mut chance)).collect();
         let [nx, ny, nz] = dims.map(|n| n as usize);
@@ -85,50 +113,106 @@ fn check<T: Lane>(sample: fn(&mut Chance) -> T) {
                 let offset: isize = (0..3).map(|k| ijk[k] as isize * strides[k]).sum();
                 all[first.checked_add_signed(offset).unwrap()]
             };
-            for count in (1..=BATCH).chain([BATCH; 20]) {
-                let mut edges = Edges::default();
-                for n in 0..count {
-                    let axis = chance.below(3) as usize;
-                    let low = dims.map(|n| chance.below(n + 1).wrapping_sub(1));
-                    assert_eq!(edges.push(axis, low), n + 1 == BATCH);
-                }
+            for count in (0..40).chain([64; 10]) {
+                // Half of the time all ends have all neighbours, if the lattice has such edges.
+                let is_inner = count % 2 == 0 && dims.iter().all(|&n| n > 3);
+                let mut place = |n: u32| match is_inner {
+                    true => 1 + chance.below(n - 3),
+                    false => chance.below(n + 1).wrapping_sub(1),
+                };
+                let z = place(dims[2]);
+                let place = |_| [place(dims[0]), place(dims[1])];
+                let places: Vec<[u32; 2]> = (0..count).map(place).collect();
+                let list: Vec<_> =
+                    places.into_iter().map(|place| (chance.below(3) as usize, place)).collect();
                 for &level in Level::available() {
-                    let mut found = Vertices::<f64>::default();
-                    vertices_at(level, &samples, &FIELD, &edges, Normals::Gradient, &mut found);
-                    for n in 0..count {
-                        let (axis, low) = edges.get(n);
-                        let whole = (0..3).all(|k| low[k] < dims[k]);
-                        let expected = if whole { one(&at, dims, (axis, low)) } else { None };
-                        let is_odd = found.odd >> n & 1 == 1;
-                        assert_eq!(is_odd, expected.is_none(), "{level}: {axis}, {low:?}");
-                        if let Some((position, normal)) = expected {
-                            assert_eq!(found.positions[n], position, "{level}");
-                            assert_eq!(found.normals[n], normal, "{level}");
-                        }
-                    }
-                    assert_eq!(found.odd >> count, 0, "no more bits than edges");
+                    compare(level, &samples, &edges(level, &list, z), |edge| {
+                        one(&at, difference, dims, edge)
+                    });
                 }
             }
         }
     }
 }
 
+fn compare<T: Lane>(
+    level: Level,
+    samples: &Samples<'_, T>,
+    edges: &Edges,
+    expected: impl Fn((usize, [u32; 3])) -> Option<([f64; 3], [f32; 3])>,
+) {
+    let (mut positions, mut normals) = (vec![[0.0; 3]; edges.len()], vec![[0.0; 3]; edges.len()]);
+    let (mut rounded, mut odd, mut odd_places) = (vec![[0_f32; 3]; edges.len()], vec![], vec![]);
+    let out =
+        Vertices { positions: &mut positions, normals: Some(&mut normals[..]), odd: &mut odd };
+    vertices_at(level, samples, &FIELD, edges, out);
+    let out = Vertices { positions: &mut rounded, normals: None, odd: &mut odd_places };
+    vertices_at(level, samples, &FIELD, edges, out);
+    for n in 0..edges.len() {
+        let edge = edges.get(n);
+        match expected(edge) {
+            None => assert!(odd.contains(&(n as u32)), "{level}: {edge:?}"),
+            Some((position, normal)) => {
+                assert!(!odd.contains(&(n as u32)), "{level}: {edge:?}");
+                assert_eq!(positions[n], position, "{level}: {edge:?}");
+                assert_eq!(rounded[n], position.map(|c| c as f32), "{level}: {edge:?}");
+                assert_eq!(normals[n], normal, "{level}: {edge:?}");
+            }
+        }
+    }
+    assert!(odd.is_sorted() && odd.iter().all(|&n| (n as usize) < edges.len()), "{odd:?}");
+    assert!(odd_places.iter().all(|n| odd.contains(n)), "{odd_places:?} of {odd:?}");
+}
+
 #[test]
 fn every_level_agrees_with_one_edge_at_a_time() {
-    check(|chance| chance.next() as u8);
-    check(|chance| chance.next() as i8);
-    check(|chance| chance.next() as u16);
-    check(|chance| chance.next() as i16);
-    check(|chance| chance.next() as u32);
-    check(|chance| chance.next() as i32);
-    check(|chance| chance.below(5) as f32 * 0.25);
-    check(|chance| chance.below(1000) as f64 * 1e-3);
+    check(as_f32, |chance| chance.next() as u8);
+    check(as_f32, |chance| chance.next() as i8);
+    check(as_f32, |chance| chance.next() as u16);
+    check(as_f32, |chance| chance.next() as i16);
+    check(as_f64, |chance| chance.next() as u32);
+    check(as_f64, |chance| chance.next() as i32);
+    check(as_f32, |chance| chance.below(5) as f32 * 0.25);
+    check(as_f64, |chance| chance.below(1000) as f64 * 1e-3);
 }
 
 #[test]
 fn what_is_not_finite_is_odd_at_every_level() {
-    check(|chance| [f32::NAN, f32::INFINITY, 1.0, 2.0, -3.0, 0.5][chance.below(6) as usize]);
-    check(|chance| [f64::MAX, -f64::MAX, 1e-300, 3.0, -2.0][chance.below(5) as usize]);
+    check(as_f32, |chance| {
+        [f32::NAN, f32::INFINITY, 1.0, 2.0, -3.0, 0.5][chance.below(6) as usize]
+    });
+    check(as_f32, |chance| [f32::MAX, -f32::MAX, 1e-30, 3.0, -2.0][chance.below(5) as usize]);
+    check(as_f64, |chance| [f64::MAX, -f64::MAX, 1e-300, 3.0, -2.0][chance.below(5) as usize]);
+}
+
+#[test]
+fn edges_come_in_the_order_of_their_bits_until_there_is_no_room() {
+    let mut chance = Chance(3);
+    for density in 0..4 {
+        let mut word = |first: usize| {
+            let cuts =
+                std::array::from_fn(|_| (0..density).fold(u64::MAX, |w, _| w & chance.next()));
+            Word { cuts, first, ..Word::default() }
+        };
+        let words: Vec<Word> = (0..40).map(|n| word(64 * n)).collect();
+        for (level, axis) in Level::available().iter().flat_map(|l| (0..3).map(move |k| (*l, k))) {
+            let mut edges = Edges::default();
+            edges.begin(7);
+            let mut left = &words[..];
+            let mut found = vec![];
+            while !left.is_empty() {
+                let taken = edges.push_at(level, axis, [u32::MAX, 5], left);
+                assert!(taken > 0, "an empty queue has room for a word");
+                left = &left[taken..];
+                found.extend((0..edges.len()).map(|n| edges.get(n)));
+                edges.clear();
+            }
+            let bits = (0..40 * 64_u32)
+                .filter(|i| words[*i as usize / 64].owned()[axis] >> (i % 64) & 1 == 1);
+            let expected: Vec<_> = bits.map(|i| (axis, [i.wrapping_sub(1), 5, 7])).collect();
+            assert_eq!(found, expected, "{level}");
+        }
+    }
 }
 
 #[test]

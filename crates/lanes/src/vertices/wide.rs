@@ -1,0 +1,146 @@
+//! Sixteen numbers at a time: what the arithmetic of vertices is written in.
+//!
+//! [`Plain`] is its definition: arrays, number by number. Wider registers do the same operations, each
+//! rounded once, so that the numbers are the same.
+
+mod plain;
+
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use avx512::Avx512;
+pub(super) use plain::Plain;
+
+use crate::{Lane, Samples};
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Numbers in a batch: one register of f32 at the widest, two of f64.
+pub(super) const BATCH: usize = 16;
+
+/// A set of registers.
+pub trait Wide: Copy {
+    /// Sixteen u32. Sums and products wrap.
+    type U32: Copy + Add<Output = Self::U32> + Mul<Output = Self::U32>;
+    /// Sixteen f32.
+    type F32: Float;
+    /// Sixteen f64.
+    type F64: Float;
+
+    fn u32(self, number: u32) -> Self::U32;
+
+    fn f32(self, number: f32) -> Self::F32;
+
+    fn f64(self, number: f64) -> Self::F64;
+
+    fn load(self, numbers: &[u32; BATCH]) -> Self::U32;
+
+    fn store(self, numbers: Self::U32) -> [u32; BATCH];
+
+    fn load_f32(self, numbers: &[f32; BATCH]) -> Self::F32;
+
+    fn load_f64(self, numbers: &[f64; BATCH]) -> Self::F64;
+
+    /// Where both are equal: a bit each.
+    fn equal(self, a: Self::U32, b: Self::U32) -> u16;
+
+    /// Where the first is less.
+    fn less(self, a: Self::U32, b: Self::U32) -> u16;
+
+    /// The first where the bit is set, else the second.
+    fn select(self, mask: u16, a: Self::U32, b: Self::U32) -> Self::U32;
+
+    /// The first where the bit is set, else the second.
+    fn select_f64(self, mask: u16, a: Self::F64, b: Self::F64) -> Self::F64;
+
+    fn u32_to_f64(self, numbers: Self::U32) -> Self::F64;
+
+    fn f32_to_f64(self, numbers: Self::F32) -> Self::F64;
+
+    /// Rounded to the nearest.
+    fn f64_to_f32(self, numbers: Self::F64) -> Self::F32;
+
+    /// The samples of the numbers `from + at[n]`, where `at` counts up and down.
+    ///
+    /// # Safety
+    ///
+    /// Each must be an end of an inner edge or a neighbour of one, and [`Samples::is_near`] must hold.
+    unsafe fn near<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: Self::U32,
+    ) -> <T::Exact as Exact>::Of<Self>;
+
+    /// Three numbers per vertex, from one register per axis.
+    fn interleave(self, axes: [Self::F32; 3], out: &mut [[f32; 3]; BATCH]);
+
+    fn interleave_f64(self, axes: [Self::F64; 3], out: &mut [[f64; 3]; BATCH]);
+}
+
+/// Sixteen numbers with a fraction.
+pub trait Float:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    fn sqrt(self) -> Self;
+
+    /// The greater; `other` where the two are equal or one is NaN.
+    fn max(self, other: Self) -> Self;
+
+    /// The less; `other` where the two are equal or one is NaN.
+    fn min(self, other: Self) -> Self;
+
+    /// Where it is less than the other: a bit each, none for NaN.
+    fn less(self, other: Self) -> u16;
+}
+
+/// A type that holds every sample of another exactly: f32 or f64.
+pub trait Exact: Copy + Default + Into<f64> {
+    /// Sixteen of them.
+    type Of<W: Wide>: Copy;
+
+    fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> Self::Of<W>;
+
+    fn to_f64<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F64;
+
+    /// `a − b`, rounded to f32.
+    fn difference<W: Wide>(wide: W, a: Self::Of<W>, b: Self::Of<W>) -> W::F32;
+}
+
+impl Exact for f32 {
+    type Of<W: Wide> = W::F32;
+
+    #[inline(always)]
+    fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> W::F32 {
+        wide.load_f32(numbers)
+    }
+
+    #[inline(always)]
+    fn to_f64<W: Wide>(wide: W, numbers: W::F32) -> W::F64 {
+        wide.f32_to_f64(numbers)
+    }
+
+    #[inline(always)]
+    fn difference<W: Wide>(_: W, a: W::F32, b: W::F32) -> W::F32 {
+        a - b
+    }
+}
+
+impl Exact for f64 {
+    type Of<W: Wide> = W::F64;
+
+    #[inline(always)]
+    fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> W::F64 {
+        wide.load_f64(numbers)
+    }
+
+    #[inline(always)]
+    fn to_f64<W: Wide>(_: W, numbers: W::F64) -> W::F64 {
+        numbers
+    }
+
+    #[inline(always)]
+    fn difference<W: Wide>(wide: W, a: W::F64, b: W::F64) -> W::F32 {
+        wide.f64_to_f32(a - b)
+    }
+}

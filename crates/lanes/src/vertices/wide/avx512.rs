@@ -1,0 +1,357 @@
+//! Sixteen numbers in one AVX-512 register, or in two.
+
+use super::{BATCH, Exact, Float, Wide};
+use crate::{Lane, Samples};
+use std::{
+    any::TypeId,
+    arch::x86_64::*,
+    mem::transmute_copy,
+    ops::{Add, Div, Mul, Sub},
+};
+
+/// A token: who holds one, or a register, has the instructions.
+#[derive(Clone, Copy)]
+pub(in super::super) struct Avx512(());
+
+impl Avx512 {
+    /// # Safety
+    ///
+    /// The machine must have AVX-512 F, BW, DQ and VL.
+    #[inline(always)]
+    pub(in super::super) unsafe fn new() -> Self {
+        Self(())
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct U32(__m512i);
+
+#[derive(Clone, Copy)]
+pub struct F32(__m512);
+
+/// The lower eight, and the upper eight.
+#[derive(Clone, Copy)]
+pub struct F64(__m512d, __m512d);
+
+macro_rules! operators {
+    ($($trait:ident $name:ident $f32:ident $f64:ident;)*) => {$(
+        impl $trait for F32 {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: a register exists only where the instructions do.
+                Self(unsafe { $f32(self.0, other.0) })
+            }
+        }
+
+        impl $trait for F64 {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: a register exists only where the instructions do.
+                unsafe { Self($f64(self.0, other.0), $f64(self.1, other.1)) }
+            }
+        }
+    )*};
+}
+
+operators! {
+    Add add _mm512_add_ps _mm512_add_pd;
+    Sub sub _mm512_sub_ps _mm512_sub_pd;
+    Mul mul _mm512_mul_ps _mm512_mul_pd;
+    Div div _mm512_div_ps _mm512_div_pd;
+}
+
+impl Add for U32 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: a register exists only where the instructions do.
+        Self(unsafe { _mm512_add_epi32(self.0, other.0) })
+    }
+}
+
+impl Mul for U32 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        // SAFETY: a register exists only where the instructions do.
+        Self(unsafe { _mm512_mullo_epi32(self.0, other.0) })
+    }
+}
+
+/// `max` and `min` give their second operand where the two are equal or one is NaN.
+impl Float for F32 {
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: a register exists only where the instructions do.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_max_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_min_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> u16 {
+        // SAFETY: as above.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+}
+
+impl Float for F64 {
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: a register exists only where the instructions do.
+        unsafe { Self(_mm512_sqrt_pd(self.0), _mm512_sqrt_pd(self.1)) }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: as above.
+        unsafe { Self(_mm512_max_pd(self.0, other.0), _mm512_max_pd(self.1, other.1)) }
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: as above.
+        unsafe { Self(_mm512_min_pd(self.0, other.0), _mm512_min_pd(self.1, other.1)) }
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> u16 {
+        // SAFETY: as above.
+        let [low, high] = unsafe {
+            [
+                _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0),
+                _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.1, other.1),
+            ]
+        };
+        u16::from(low) | u16::from(high) << 8
+    }
+}
+
+/// The lower and the upper half of a register.
+#[inline(always)]
+fn halves(_: Avx512, numbers: __m512i) -> [__m256i; 2] {
+    // SAFETY: there is a token.
+    unsafe { [_mm512_castsi512_si256(numbers), _mm512_extracti64x4_epi64::<1>(numbers)] }
+}
+
+impl Wide for Avx512 {
+    type U32 = U32;
+    type F32 = F32;
+    type F64 = F64;
+
+    #[inline(always)]
+    fn u32(self, number: u32) -> U32 {
+        // SAFETY: there is a token; so in all that follows.
+        U32(unsafe { _mm512_set1_epi32(number as i32) })
+    }
+
+    #[inline(always)]
+    fn f32(self, number: f32) -> F32 {
+        // SAFETY: there is a token.
+        F32(unsafe { _mm512_set1_ps(number) })
+    }
+
+    #[inline(always)]
+    fn f64(self, number: f64) -> F64 {
+        // SAFETY: there is a token.
+        let half = unsafe { _mm512_set1_pd(number) };
+        F64(half, half)
+    }
+
+    #[inline(always)]
+    fn load(self, numbers: &[u32; BATCH]) -> U32 {
+        // SAFETY: there is a token; the array fills a register, and the load needs no alignment.
+        U32(unsafe { _mm512_loadu_epi32(numbers.as_ptr().cast()) })
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: U32) -> [u32; BATCH] {
+        let mut out = [0; BATCH];
+        // SAFETY: as in `load`.
+        unsafe { _mm512_storeu_epi32(out.as_mut_ptr().cast(), numbers.0) };
+        out
+    }
+
+    #[inline(always)]
+    fn load_f32(self, numbers: &[f32; BATCH]) -> F32 {
+        // SAFETY: as in `load`.
+        F32(unsafe { _mm512_loadu_ps(numbers.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn load_f64(self, numbers: &[f64; BATCH]) -> F64 {
+        let (halves, _) = numbers.as_chunks::<8>();
+        // SAFETY: as in `load`, for both halves.
+        unsafe { F64(_mm512_loadu_pd(halves[0].as_ptr()), _mm512_loadu_pd(halves[1].as_ptr())) }
+    }
+
+    #[inline(always)]
+    fn equal(self, a: U32, b: U32) -> u16 {
+        // SAFETY: there is a token.
+        unsafe { _mm512_cmpeq_epi32_mask(a.0, b.0) }
+    }
+
+    #[inline(always)]
+    fn less(self, a: U32, b: U32) -> u16 {
+        // SAFETY: there is a token.
+        unsafe { _mm512_cmplt_epu32_mask(a.0, b.0) }
+    }
+
+    #[inline(always)]
+    fn select(self, mask: u16, a: U32, b: U32) -> U32 {
+        // SAFETY: there is a token.
+        U32(unsafe { _mm512_mask_blend_epi32(mask, b.0, a.0) })
+    }
+
+    #[inline(always)]
+    fn select_f64(self, mask: u16, a: F64, b: F64) -> F64 {
+        // SAFETY: there is a token.
+        unsafe {
+            let low = _mm512_mask_blend_pd(mask as u8, b.0, a.0);
+            F64(low, _mm512_mask_blend_pd((mask >> 8) as u8, b.1, a.1))
+        }
+    }
+
+    #[inline(always)]
+    fn u32_to_f64(self, numbers: U32) -> F64 {
+        let [low, high] = halves(self, numbers.0);
+        // SAFETY: there is a token.
+        unsafe { F64(_mm512_cvtepu32_pd(low), _mm512_cvtepu32_pd(high)) }
+    }
+
+    #[inline(always)]
+    fn f32_to_f64(self, numbers: F32) -> F64 {
+        // SAFETY: there is a token.
+        unsafe {
+            let [low, high] = halves(self, _mm512_castps_si512(numbers.0));
+            let [low, high] = [_mm256_castsi256_ps(low), _mm256_castsi256_ps(high)];
+            F64(_mm512_cvtps_pd(low), _mm512_cvtps_pd(high))
+        }
+    }
+
+    #[inline(always)]
+    fn f64_to_f32(self, numbers: F64) -> F32 {
+        // SAFETY: there is a token.
+        unsafe {
+            let low = _mm512_castps256_ps512(_mm512_cvtpd_ps(numbers.0));
+            F32(_mm512_insertf32x8::<1>(low, _mm512_cvtpd_ps(numbers.1)))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn near<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: U32,
+    ) -> <T::Exact as Exact>::Of<Self> {
+        let base = samples.all().as_ptr().wrapping_offset(from as isize);
+        /// The samples by the expression for their type, in the type that holds them exactly.
+        macro_rules! by_type {
+            ($($t:ty, |$base:ident| $load:expr;)*) => {
+                $(if TypeId::of::<T>() == TypeId::of::<$t>() {
+                    // SAFETY: there is a token. `base` points to samples of the type compared with, and
+                    // the four bytes from each number on lie in the slice, as `Samples::is_near` says,
+                    // or for f64 the whole sample, as the caller promises. What `$load` gives is
+                    // sixteen of the exact type of `$t`, which is `T`.
+                    return unsafe {
+                        let $base = base.cast::<$t>();
+                        transmute_copy(&$load)
+                    };
+                })*
+            };
+        }
+        let [low, high] = halves(self, at.0);
+        let at = at.0;
+        by_type! {
+            f32, |base| F32(_mm512_i32gather_ps::<4>(at, base));
+            u8, |base| {
+                let found = _mm512_i32gather_epi32::<1>(at, base.cast());
+                F32(_mm512_cvtepi32_ps(_mm512_and_si512(found, _mm512_set1_epi32(0xFF))))
+            };
+            i8, |base| {
+                let found = _mm512_i32gather_epi32::<1>(at, base.cast());
+                F32(_mm512_cvtepi32_ps(_mm512_srai_epi32::<24>(_mm512_slli_epi32::<24>(found))))
+            };
+            u16, |base| {
+                let found = _mm512_i32gather_epi32::<2>(at, base.cast());
+                F32(_mm512_cvtepi32_ps(_mm512_and_si512(found, _mm512_set1_epi32(0xFFFF))))
+            };
+            i16, |base| {
+                let found = _mm512_i32gather_epi32::<2>(at, base.cast());
+                F32(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(found))))
+            };
+            u32, |base| {
+                let found = _mm512_i32gather_epi32::<4>(at, base.cast());
+                self.u32_to_f64(U32(found))
+            };
+            i32, |base| {
+                let [low, high] = halves(self, _mm512_i32gather_epi32::<4>(at, base));
+                F64(_mm512_cvtepi32_pd(low), _mm512_cvtepi32_pd(high))
+            };
+            f64, |base| {
+                F64(_mm512_i32gather_pd::<8>(low, base), _mm512_i32gather_pd::<8>(high, base))
+            };
+        }
+        unreachable!("no other type is a lane")
+    }
+
+    #[inline(always)]
+    fn interleave(self, [x, y, z]: [F32; 3], out: &mut [[f32; 3]; BATCH]) {
+        let (registers, _) = out.as_flattened_mut().as_chunks_mut::<BATCH>();
+        for (register, order) in registers.iter_mut().zip(&ORDER) {
+            let [first, then] = [self.load(&order[0]).0, self.load(&order[1]).0];
+            // SAFETY: there is a token; a third of the output is one register.
+            unsafe {
+                let xy = _mm512_permutex2var_ps(x.0, first, y.0);
+                _mm512_storeu_ps(register.as_mut_ptr(), _mm512_permutex2var_ps(xy, then, z.0));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn interleave_f64(self, axes: [F64; 3], out: &mut [[f64; 3]; BATCH]) {
+        let mut lists = [[0.0; BATCH]; 3];
+        for (list, numbers) in lists.iter_mut().zip(axes) {
+            let (halves, _) = list.as_chunks_mut::<8>();
+            // SAFETY: there is a token; each half is one register.
+            unsafe {
+                _mm512_storeu_pd(halves[0].as_mut_ptr(), numbers.0);
+                _mm512_storeu_pd(halves[1].as_mut_ptr(), numbers.1);
+            }
+        }
+        for (n, place) in out.iter_mut().enumerate() {
+            *place = [lists[0][n], lists[1][n], lists[2][n]];
+        }
+    }
+}
+
+/// For each of the three registers of output which number of the 16 + 16 of x and y comes where, and then
+/// which of those or of z, which are numbered from 16 on.
+const ORDER: [[[u32; BATCH]; 2]; 3] = {
+    let mut order = [[[0; BATCH]; 2]; 3];
+    let mut i = 0;
+    while i < 3 * BATCH {
+        let (vertex, axis, register, place) = (i / 3, i % 3, i / BATCH, i % BATCH);
+        order[register][0][place] = (vertex + if axis == 1 { BATCH } else { 0 }) as u32;
+        order[register][1][place] = if axis == 2 { vertex + BATCH } else { place } as u32;
+        i += 1;
+    }
+    order
+};
