@@ -95,7 +95,7 @@ mod wide {
 
     /// All 64 cases of a word at once, looked up in a table of four registers.
     #[target_feature(
-        enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq"
+        enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq,gfni"
     )]
     pub(super) fn count_row_avx512(
         rows: [&[u64]; 4],
@@ -120,11 +120,7 @@ mod wide {
             while found != 0 {
                 let n = found.trailing_zeros() as usize;
                 found &= found - 1;
-                let mut cases = zero;
-                for (k, corner) in corners.iter().enumerate() {
-                    let bit = _mm512_maskz_set1_epi8(corner[n], (1_u8 << k) as i8);
-                    cases = _mm512_or_si512(cases, bit);
-                }
+                let cases = cases(corners[n]);
                 // The lower half of the table for cases below 128, the upper for the others.
                 let low = _mm512_permutex2var_epi8(part(0), cases, part(1));
                 let high = _mm512_permutex2var_epi8(part(2), cases, part(3));
@@ -142,6 +138,31 @@ mod wide {
             z: _mm512_reduce_add_epi64(sums[2]) as u32,
             triangles: _mm512_reduce_add_epi64(sum) as u32,
         }
+    }
+
+    /// The cases of 64 cells, a byte each, from their corners, a word each.
+    ///
+    /// Bytes with the same eight cells come together, and each eight by eight bits are turned about their
+    /// diagonal: a matrix product with the identity, which has its rows in reverse.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vbmi,gfni")]
+    fn cases(corners: __m512i) -> __m512i {
+        const TOGETHER: [u8; 64] = {
+            let mut order = [0; 64];
+            let mut i = 0;
+            while i < 64 {
+                order[i] = (8 * (7 - i % 8) + i / 8) as u8;
+                i += 1;
+            }
+            order
+        };
+        // SAFETY: the order fills one register; the load needs no alignment.
+        let together = unsafe { _mm512_loadu_epi8(TOGETHER.as_ptr().cast()) };
+        let matrices = _mm512_permutexvar_epi8(together, corners);
+        _mm512_gf2p8affine_epi64_epi8::<0>(
+            _mm512_set1_epi64(0x8040_2010_0804_0201_u64 as i64),
+            matrices,
+        )
     }
 
     #[inline]

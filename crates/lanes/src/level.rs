@@ -10,7 +10,7 @@ pub enum Level {
     Portable,
     /// x86-64 with AVX2, BMI1, BMI2, LZCNT and POPCNT (2013).
     Avx2,
-    /// x86-64 with AVX-512 F, BW, VL, DQ, VBMI, VBMI2 and VPOPCNTDQ (2019), and all of `Avx2`.
+    /// x86-64 with AVX-512 F, BW, VL, DQ, VBMI, VBMI2 and VPOPCNTDQ, GFNI (2019), and all of `Avx2`.
     Avx512,
 }
 
@@ -28,7 +28,7 @@ impl Level {
                     levels.push(Self::Avx2);
                     let wide = has!("avx512f") && has!("avx512bw") && has!("avx512vl");
                     let permute = has!("avx512dq") && has!("avx512vbmi") && has!("avx512vbmi2");
-                    if wide && permute && has!("avx512vpopcntdq") {
+                    if wide && permute && has!("avx512vpopcntdq") && has!("gfni") {
                         levels.push(Self::Avx512);
                     }
                 }

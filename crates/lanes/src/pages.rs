@@ -4,32 +4,36 @@
 //! fault instead of 512; systems that have them give them only where asked.
 
 /// Below this many bytes there is nothing to gain.
-const WORTH_IT: usize = 4 << 20;
+const WORTH_IT: usize = 1 << 20;
 
 /// Asks the system for large pages under memory that nobody has written yet. Elsewhere than on Linux,
 /// and for little memory, this does nothing; it never changes what the memory holds.
 pub fn prefer_large_pages<T>(memory: &mut [T]) {
     let bytes = size_of_val(memory);
+    #[cfg(target_os = "linux")]
     if bytes >= WORTH_IT {
-        advise(memory.as_mut_ptr().cast(), bytes);
+        advise(memory.as_mut_ptr().cast(), bytes, libc::MADV_HUGEPAGE);
     }
+}
+
+/// Has the system provide the pages of memory that will be written now, all at once: one by one, each at
+/// its first write, they cost several times as much. What the memory holds stays.
+pub fn provide<T>(memory: &mut [T]) {
+    #[cfg(target_os = "linux")]
+    advise(memory.as_mut_ptr().cast(), size_of_val(memory), libc::MADV_POPULATE_WRITE);
 }
 
 #[cfg(target_os = "linux")]
-fn advise(start: *mut u8, bytes: usize) {
+fn advise(start: *mut u8, bytes: usize, advice: libc::c_int) {
     const PAGE: usize = 4096;
-    let skipped = start.align_offset(PAGE);
-    if let Some(whole) = bytes.checked_sub(skipped) {
-        // SAFETY: the range lies within memory that the caller has borrowed; the advice is a hint about
-        // its pages and leaves their content. A system without them answers with an error, which is fine.
-        unsafe {
-            libc::madvise(start.add(skipped).cast(), whole / PAGE * PAGE, libc::MADV_HUGEPAGE)
-        };
-    }
+    // Whole pages: a large page is given only where all of it was advised, the first and last included.
+    let before = start.addr() % PAGE;
+    let whole = (before + bytes).next_multiple_of(PAGE);
+    // SAFETY: the advice is about pages that hold memory of the caller, and leaves their content, whoever
+    // owns the rest of the first and the last. A system that does not know it answers with an error,
+    // which is fine.
+    unsafe { libc::madvise(start.wrapping_sub(before).cast(), whole, advice) };
 }
-
-#[cfg(not(target_os = "linux"))]
-fn advise(_: *mut u8, _: usize) {}
 
 #[cfg(test)]
 mod tests {

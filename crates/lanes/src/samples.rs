@@ -68,10 +68,15 @@ impl<'a, T: Lane> Samples<'a, T> {
             for word in words {
                 let sample =
                     self.all.as_ptr().wrapping_offset(first as isize + word.first as isize);
+                let [x, y, z] = word.owned();
+                let per_line = 64 / size_of::<T>();
                 for line in 0..size_of::<T>() {
-                    let place = sample.cast::<i8>().wrapping_add(64 * line);
-                    // SAFETY: a prefetch reads nothing, so any address will do.
-                    unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
+                    let bits = (x | y | z) >> (line * per_line);
+                    if bits & (u64::MAX >> (64 - per_line)) != 0 {
+                        let place = sample.cast::<i8>().wrapping_add(64 * line);
+                        // SAFETY: a prefetch reads nothing, so any address will do.
+                        unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
+                    }
                 }
             }
         }

@@ -177,30 +177,51 @@ pub(crate) mod wide {
             Self { low, high, cells, active, owned, found }
         }
 
-        /// The corners of each word.
+        /// The corners of each word: one register a word.
         #[inline]
         #[target_feature(enable = "avx512f")]
-        pub(crate) fn corners(&self) -> [[u64; 8]; 8] {
-            let mut lists = [[0; 8]; 8];
-            for n in 0..4 {
-                lists[2 * n] = words(self.low[n]);
-                lists[2 * n + 1] = words(self.high[n]);
-            }
-            lists
+        pub(crate) fn corners(&self) -> [__m512i; 8] {
+            let (a, b) = (self.low, self.high);
+            transposed([a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]])
         }
 
         /// The eight lists of cut edges of each word.
         #[inline]
         #[target_feature(enable = "avx512f")]
-        fn cuts(&self) -> [[u64; 8]; 8] {
-            let low = self.low;
-            let x = |n: usize| {
-                words(_mm512_and_si512(_mm512_xor_si512(low[n], self.high[n]), self.cells))
-            };
-            let between = |m: usize, n: usize| words(_mm512_xor_si512(low[m], low[n]));
-            let y = [between(0, 1), between(2, 3)];
-            [x(0), x(1), x(2), x(3), y[0], y[1], between(0, 2), between(1, 3)]
+        fn cuts(&self) -> [__m512i; 8] {
+            let (mut cuts, low) = ([self.cells; 8], self.low);
+            for n in 0..4 {
+                let differ = _mm512_xor_si512(low[n], self.high[n]);
+                cuts[n] = _mm512_and_si512(differ, self.cells);
+            }
+            for n in 0..2 {
+                cuts[4 + n] = _mm512_xor_si512(low[2 * n], low[2 * n + 1]);
+                cuts[6 + n] = _mm512_xor_si512(low[n], low[n + 2]);
+            }
+            transposed(cuts)
         }
+    }
+
+    /// Register `n` of what comes out holds number `n` of each register.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn transposed(rows: [__m512i; 8]) -> [__m512i; 8] {
+        let mut pairs = rows;
+        for n in 0..4 {
+            pairs[2 * n] = _mm512_unpacklo_epi64(rows[2 * n], rows[2 * n + 1]);
+            pairs[2 * n + 1] = _mm512_unpackhi_epi64(rows[2 * n], rows[2 * n + 1]);
+        }
+        let mut columns = rows;
+        for odd in 0..2 {
+            let [a, b, c, d] = [pairs[odd], pairs[2 + odd], pairs[4 + odd], pairs[6 + odd]];
+            let (ab, cd) = (_mm512_shuffle_i64x2::<0x88>(a, b), _mm512_shuffle_i64x2::<0x88>(c, d));
+            columns[odd] = _mm512_shuffle_i64x2::<0x88>(ab, cd);
+            columns[4 + odd] = _mm512_shuffle_i64x2::<0xDD>(ab, cd);
+            let (ab, cd) = (_mm512_shuffle_i64x2::<0xDD>(a, b), _mm512_shuffle_i64x2::<0xDD>(c, d));
+            columns[2 + odd] = _mm512_shuffle_i64x2::<0x88>(ab, cd);
+            columns[6 + odd] = _mm512_shuffle_i64x2::<0xDD>(ab, cd);
+        }
+        columns
     }
 
     #[inline]
@@ -220,15 +241,13 @@ pub(crate) mod wide {
                 continue;
             }
             let (corners, cuts, active) = (eight.corners(), eight.cuts(), words(eight.active));
+            out.reserve(8);
             let mut found = eight.found;
             while found != 0 {
                 let n = found.trailing_zeros() as usize;
                 found &= found - 1;
-                let mut word = Word { active: active[n], first: WORD * (w + n), ..Word::default() };
-                for k in 0..8 {
-                    (word.corners[k], word.cuts[k]) = (corners[k][n], cuts[k][n]);
-                }
-                out.push(word);
+                let (corners, cuts) = (words(corners[n]), words(cuts[n]));
+                out.push(Word { corners, cuts, active: active[n], first: WORD * (w + n) });
             }
         }
     }

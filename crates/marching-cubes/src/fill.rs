@@ -7,7 +7,9 @@ use crate::{
     vertex::Placement,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Coordinate, Edges, FirstVertices, Word, prefer_large_pages, triangles};
+use isokit_lanes::{
+    Coordinate, Edges, FirstVertices, Word, prefer_large_pages, provide, triangles,
+};
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -95,6 +97,11 @@ impl<T: Sample> Fill<'_, T> {
         tasks.into_par_iter().try_for_each(|(slices, mut room, mut triangles)| {
             job.check()?;
             let mut scratch = Scratch::default();
+            provide(triangles);
+            provide(room.positions);
+            if let Some(normals) = &mut room.normals {
+                provide(normals);
+            }
             for z in slices {
                 self.slice(z, &mut room, &mut triangles, &mut scratch);
                 job.progress.advance(1);

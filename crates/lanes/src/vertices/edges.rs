@@ -1,7 +1,7 @@
 //! Edges on their way to vertices.
 
 use super::wide::BATCH;
-use crate::{Level, WORD, Word};
+use crate::{Level, WORD, Word, word::OWN};
 
 /// Edges that are held at most: enough that calls cost nothing, few enough for the first cache.
 const ROOM: usize = 1024;
@@ -100,26 +100,25 @@ impl Edges {
         // SAFETY: the places fill one register; the load needs no alignment.
         let places = unsafe { _mm512_loadu_epi8(PLACES.as_ptr().cast()) };
         let (axes, ys) = (_mm512_set1_epi32(axis as i32), _mm512_set1_epi32(y as i32));
+        let mut lists =
+            [&mut self.x, &mut self.y, &mut self.axis].map(|list| &mut list[..ROOM + SLACK]);
         for (n, word) in words.iter().enumerate() {
-            let cuts = word.owned()[axis];
+            let cuts = word.cuts[OWN[axis]];
+            if cuts == 0 {
+                continue;
+            }
             if self.count + WORD > ROOM {
                 return n;
             }
             let first = _mm512_set1_epi32(x.wrapping_add(word.first as u32) as i32);
-            let found = _mm512_maskz_compress_epi8(cuts, places);
-            let quarters = [
-                _mm512_castsi512_si128(found),
-                _mm512_extracti32x4_epi32::<1>(found),
-                _mm512_extracti32x4_epi32::<2>(found),
-                _mm512_extracti32x4_epi32::<3>(found),
-            ];
+            let mut found = _mm512_maskz_compress_epi8(cuts, places);
             let count = cuts.count_ones() as usize;
-            for (quarter, from) in quarters.into_iter().zip((0..count).step_by(BATCH)) {
-                let at = self.count + from..self.count + from + BATCH;
-                let xs = _mm512_add_epi32(first, _mm512_cvtepu8_epi32(quarter));
-                let lists = [(&mut self.x, xs), (&mut self.y, ys), (&mut self.axis, axes)];
-                for (list, numbers) in lists {
-                    let room = &mut list[at.clone()];
+            for from in (0..count).step_by(BATCH) {
+                let low = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(found));
+                found = _mm512_alignr_epi64::<2>(found, found);
+                let numbers = [_mm512_add_epi32(first, low), ys, axes];
+                for (list, numbers) in lists.iter_mut().zip(numbers) {
+                    let room = &mut list[self.count + from..][..BATCH];
                     // SAFETY: there is room for sixteen numbers.
                     unsafe { _mm512_storeu_epi32(room.as_mut_ptr().cast(), numbers) };
                 }
