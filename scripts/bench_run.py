@@ -26,6 +26,7 @@ ROWS = {
     "defaults": bench_rows.defaults,
     "threads": bench_rows.threads,
     "classify": bench_limits.classify,
+    "many": bench_limits.many,
     "bound": bench_limits.bound,
     "memory": bench_limits.memory,
     "command": bench_rows.command,

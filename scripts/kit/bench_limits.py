@@ -57,6 +57,30 @@ def classify(bench: Bench, store: Store) -> None:
                 )
 
 
+def many(bench: Bench, store: Store) -> None:
+    """Eight isovalues in one call against the first of them: classified and counted."""
+    n = 128 if bench.quick else 256
+    # Spheres in steps of 1/64 of the volume's width; gyroids from -0.8 to 0.6.
+    for volume, step in ((store.sphere(n), n / 64), (store.gyroid(n), 0.2)):
+        isos = [volume.iso + step * k for k in (0, -1, 1, -2, 2, -3, 3, -4)]
+        with bench.workers():
+            for threads in THREADS:
+                requests = [
+                    {"op": "count", "isos": some, "threads": threads} for some in (isos, isos[:1])
+                ]
+                all_of_them, one = bench.run([Entry("isokit", volume, each) for each in requests])
+                bench.compare(
+                    all_of_them,
+                    one,
+                    row="many",
+                    work=f"{volume.name} f32, classified and counted, {threads} "
+                    f"thread{'s' * (threads > 1)}, 8 isovalues in one call vs 1",
+                    at_least=False,
+                    must=2.0,
+                    aim=1.3,
+                )
+
+
 def bound(bench: Bench, store: Store) -> None:
     """Large volumes, sparse and dense, against reading them and filling as much memory."""
     n = 256 if bench.quick else 512

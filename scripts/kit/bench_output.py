@@ -17,6 +17,7 @@ SECTIONS = {
     "command": "Whole command",
     "threads": "Two threads",
     "classify": "Classification",
+    "many": "Several isovalues in one call",
     "bound": "Against the bound",
     "memory": "Memory",
     "growth": "Growth",

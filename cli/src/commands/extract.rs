@@ -82,12 +82,7 @@ fn meshes(
     timings: &mut Timings,
     session: &Session<'_, '_>,
 ) -> Result<Vec<TriMesh>> {
-    let make = |meshes: &mut Vec<TriMesh>| {
-        for (mesh, &iso) in meshes.iter_mut().zip(isos) {
-            scan.mesh_into(iso, &plan.surface, mesh, &session.job)?;
-        }
-        Ok::<(), anyhow::Error>(())
-    };
+    let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &plan.surface, meshes, &session.job);
     let fresh = || vec![TriMesh::default(); isos.len()];
     let (runs, is_warm) = match plan.repeat {
         Repeat::Once => (1, false),

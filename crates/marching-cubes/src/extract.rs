@@ -1,4 +1,4 @@
-//! The entry: volume, value, options, sink.
+//! The entries: volume, value, options, sink; or several values with a sink each.
 
 use crate::{
     Boundary, Degenerate, ExtractError, ExtractOptions,
@@ -10,6 +10,7 @@ use crate::{
 use isokit_job::Job;
 use isokit_mesh::{Counts, MeshSink, Precision, TriMesh};
 use isokit_volume::{Sample, View};
+use std::slice;
 
 /// What can be said of a surface that went into a sink.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,21 +55,7 @@ pub fn extract_into<T: Sample, S: MeshSink<Error: Send> + Send>(
     sink: &mut S,
     job: &Job,
 ) -> Result<Extracted, ExtractError<S::Error>> {
-    let lattice = Lattice::new(view.dims(), options.boundary);
-    let (precision, margin) = precision(view, options);
-    job.threads.run(|| {
-        let plan = Plan::new(view, lattice, iso, options, job)?;
-        let counts = plan.counts();
-        let bytes = output_bytes(counts, precision, sink.wants_normals());
-        job.limits.probe("surface", bytes, 1)?;
-        let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
-        if let Some(layout) = &plan.layout {
-            let placement = Placement::new(*view, iso, margin);
-            let fill = Fill { planes: &plan.planes, layout, placement, winding: plan.winding };
-            fill.piece(piece, options.layers_per_task.get(), job)?;
-        }
-        Ok(Extracted { counts, precision, margin })
-    })
+    Ok(extract_many(view, &[iso], options, slice::from_mut(sink), job)?[0])
 }
 
 /// How many vertices and triangles the surface has; neither is made.
@@ -82,46 +69,115 @@ pub fn count<T: Sample>(
     options: &ExtractOptions,
     job: &Job,
 ) -> Result<Counts, ExtractError> {
-    let lattice = Lattice::new(view.dims(), options.boundary);
-    job.threads.run(|| Ok(Plan::new(view, lattice, iso, options, job)?.counts()))
+    Ok(count_many(view, &[iso], options, job)?[0])
 }
 
-/// A surface that is counted and numbered but not yet made. No layout where there can be none.
-struct Plan {
-    planes: Planes,
-    layout: Option<Layout>,
-    winding: Winding,
-}
-
-impl Plan {
-    fn new<T: Sample, E: Send>(
-        view: &View<'_, T>,
-        lattice: Lattice,
-        iso: f64,
-        options: &ExtractOptions,
-        job: &Job,
-    ) -> Result<Self, ExtractError<E>> {
-        if !iso.is_finite() {
-            return Err(ExtractError::Iso(iso));
-        }
-        if let Some(axis) = lattice.points.iter().position(|&n| n > i32::MAX as usize) {
-            return Err(ExtractError::TooLong { axis, size: view.dims()[axis] });
-        }
-        // Classify, count and fill each go through all slices once.
-        job.progress.begin("extract", 3 * view.dims()[2] as u64);
-        let planes = Planes::classify(view, lattice, iso, options.nan, job)?;
-        let layout = match planes.is_empty() || !lattice.has_cells() {
-            true => None,
-            false => Some(Layout::new(&planes, options.layers_per_task.get(), job)?),
+/// The surfaces of several values with one pass over the samples to classify them: the same, byte for
+/// byte, as [`extract_into`] makes one by one. Each value has its sink.
+///
+/// Beside the output, memory for one bit per sample and value is in use.
+///
+/// # Errors
+///
+/// As [`extract_into`]. Sinks that were filled before stay filled.
+///
+/// # Panics
+///
+/// If there are not as many sinks as values.
+pub fn extract_many<T: Sample, S: MeshSink<Error: Send> + Send>(
+    view: &View<'_, T>,
+    isos: &[f64],
+    options: &ExtractOptions,
+    sinks: &mut [S],
+    job: &Job,
+) -> Result<Vec<Extracted>, ExtractError<S::Error>> {
+    assert_eq!(isos.len(), sinks.len(), "one sink per isovalue");
+    let (precision, margin) = precision(view, options);
+    job.threads.run(|| {
+        let planes = classified(view, isos, Passes::CountAndFill, options, job)?;
+        let surfaces = planes.into_iter().zip(isos).zip(sinks);
+        let extract = |((planes, &iso), sink): ((Planes, &f64), &mut S)| {
+            let layout = layout(&planes, options, job)?;
+            let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
+            let bytes = output_bytes(counts, precision, sink.wants_normals());
+            job.limits.probe("surface", bytes, 1)?;
+            let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
+            if let Some(layout) = &layout {
+                let placement = Placement::new(*view, iso, margin);
+                let winding = winding(view);
+                let fill = Fill { planes: &planes, layout, placement, winding };
+                fill.piece(piece, options.layers_per_task.get(), job)?;
+            }
+            Ok(Extracted { counts, precision, margin })
         };
-        let mirrors = view.frame().index_to_world.determinant() < 0.0;
-        let winding = if mirrors { Winding::Turned } else { Winding::Kept };
-        Ok(Self { planes, layout, winding })
-    }
+        surfaces.map(extract).collect()
+    })
+}
 
-    fn counts(&self) -> Counts {
-        self.layout.as_ref().map_or(Counts::default(), Layout::counts)
+/// How many vertices and triangles the surfaces of several values have, with one pass over the samples.
+///
+/// # Errors
+///
+/// As [`extract`].
+pub fn count_many<T: Sample>(
+    view: &View<'_, T>,
+    isos: &[f64],
+    options: &ExtractOptions,
+    job: &Job,
+) -> Result<Vec<Counts>, ExtractError> {
+    job.threads.run(|| {
+        let planes = classified(view, isos, Passes::Count, options, job)?;
+        let count = |planes| {
+            let layout = layout(&planes, options, job)?;
+            Ok(layout.as_ref().map_or(Counts::default(), Layout::counts))
+        };
+        planes.into_iter().map(count).collect()
+    })
+}
+
+/// What follows the classification, once for each isovalue.
+#[derive(Clone, Copy, Debug)]
+enum Passes {
+    Count = 1,
+    CountAndFill = 2,
+}
+
+/// The planes of all isovalues, once it is known that there may be surfaces.
+fn classified<T: Sample, E: Send>(
+    view: &View<'_, T>,
+    isos: &[f64],
+    passes: Passes,
+    options: &ExtractOptions,
+    job: &Job,
+) -> Result<Vec<Planes>, ExtractError<E>> {
+    if let Some(&iso) = isos.iter().find(|iso| !iso.is_finite()) {
+        return Err(ExtractError::Iso(iso));
     }
+    let lattice = Lattice::new(view.dims(), options.boundary);
+    if let Some(axis) = lattice.points.iter().position(|&n| n > i32::MAX as usize) {
+        return Err(ExtractError::TooLong { axis, size: view.dims()[axis] });
+    }
+    // Each pass goes through all slices once.
+    let passes = 1 + passes as u64 * isos.len() as u64;
+    job.progress.begin("extract", passes * view.dims()[2] as u64);
+    Planes::classify(view, lattice, isos, options.nan, job)
+}
+
+/// The numbers of all vertices and triangles; none where there can be none.
+fn layout<E: Send>(
+    planes: &Planes,
+    options: &ExtractOptions,
+    job: &Job,
+) -> Result<Option<Layout>, ExtractError<E>> {
+    if planes.is_empty() || !planes.lattice.has_cells() {
+        return Ok(None);
+    }
+    Layout::new(planes, options.layers_per_task.get(), job).map(Some)
+}
+
+fn winding<T: Sample>(view: &View<'_, T>) -> Winding {
+    let mirrors = view.frame().index_to_world.determinant() < 0.0;
+    if mirrors { Winding::Turned } else { Winding::Kept }
 }
 
 /// What the caller chose, or f32 while it is exact enough, and the margin that then keeps vertices apart.

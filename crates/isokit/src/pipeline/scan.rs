@@ -7,10 +7,10 @@ use crate::pipeline::{
 use isokit_geom::Frame;
 use isokit_io::{Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job};
-use isokit_marching_cubes::{ExtractError, extract_into};
+use isokit_marching_cubes::{ExtractError, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{AnyVolume, Histogram, Sample, Statistics, View, Volume, for_any};
-use std::{ops::Range, path::Path, sync::OnceLock};
+use std::{ops::Range, path::Path, slice, sync::OnceLock};
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
 #[derive(Clone, Debug)]
@@ -214,16 +214,40 @@ impl Scan {
         mesh: &mut TriMesh,
         job: &Job,
     ) -> Result<(), PipelineError> {
-        match options.normals {
-            Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
-            Normals::Area | Normals::None => mesh.normals = None,
+        self.meshes_into(&[iso], options, slice::from_mut(mesh), job)
+    }
+
+    /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
+    /// of a used mesh.
+    ///
+    /// # Errors
+    ///
+    /// As [`mesh`](Self::mesh).
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many meshes as isovalues.
+    pub fn meshes_into(
+        &self,
+        isos: &[f64],
+        options: &SurfaceOptions,
+        meshes: &mut [TriMesh],
+        job: &Job,
+    ) -> Result<(), PipelineError> {
+        for mesh in &mut *meshes {
+            match options.normals {
+                Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
+                Normals::Area | Normals::None => mesh.normals = None,
+            }
         }
+        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let extracted = for_any!(&self.volume, volume => {
-            extract_into(&self.view(volume), iso, &options.extract, &mut mesh.refill(), job)
+            extract_many(&self.view(volume), isos, &options.extract, &mut sinks, job)
         });
         extracted.map_err(|error| self.in_whole(error))?;
+        drop(sinks);
         if options.normals == Normals::Area {
-            area_normals(mesh, job)?;
+            meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
         }
         Ok(())
     }

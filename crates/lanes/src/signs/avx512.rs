@@ -2,7 +2,8 @@
 
 use std::arch::x86_64::*;
 
-/// A module for one type of sample, with the row loops `at_least` and `at_most`.
+/// A module for one type of sample, with the row loops `at_least` and `at_most`. For each word of samples,
+/// which stays in the cache, `out` gets a word for each bound.
 macro_rules! kernels {
     ($t:ident, $lanes:literal, $load:expr, $splat:expr, $at_least:expr, $at_most:expr) => {
         pub(super) mod $t {
@@ -14,20 +15,22 @@ macro_rules! kernels {
     };
     (@row $name:ident, $t:ident, $lanes:literal, $load:expr, $splat:expr, $compare:expr) => {
         #[target_feature(enable = "avx512f,avx512bw")]
-        pub(in super::super) fn $name(rows: &[[$t; 64]], bound: $t, out: &mut [u64]) {
-            let bound = $splat(bound);
-            for (word, samples) in out.iter_mut().zip(rows) {
+        pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: &mut [u64]) {
+            for (words, samples) in out.chunks_exact_mut(bounds.len()).zip(rows) {
                 let (parts, _) = samples.as_chunks::<$lanes>();
-                let mut bits = 0;
-                for part in parts.iter().rev() {
-                    // SAFETY: `part` is one register's worth of samples; the load needs no alignment.
-                    let part = unsafe { $load(part.as_ptr().cast()) };
-                    bits = match $lanes {
-                        64 => u64::from($compare(part, bound)),
-                        _ => bits << ($lanes % 64) | u64::from($compare(part, bound)),
-                    };
+                for (word, &bound) in words.iter_mut().zip(bounds) {
+                    let (bound, mut bits) = ($splat(bound), 0);
+                    for part in parts.iter().rev() {
+                        // SAFETY: `part` is one register's worth of samples; the load needs no
+                        // alignment.
+                        let part = unsafe { $load(part.as_ptr().cast()) };
+                        bits = match $lanes {
+                            64 => u64::from($compare(part, bound)),
+                            _ => bits << ($lanes % 64) | u64::from($compare(part, bound)),
+                        };
+                    }
+                    *word = bits;
                 }
-                *word = bits;
             }
         }
     };

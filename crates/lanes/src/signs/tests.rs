@@ -1,6 +1,6 @@
 //! Every loop against the definition, sample by sample.
 
-use super::{Lane, Threshold, nans, signs, signs_at, words};
+use super::{Lane, Threshold, Thresholds, many_at, nans, signs, signs_at, words};
 use crate::Level;
 use std::fmt::Debug;
 
@@ -35,10 +35,40 @@ fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
                 }
             }
         }
+        check_many(row, bounds);
         nans(row, &mut found);
         let nan = |sample: T| sample.partial_cmp(&sample).is_none();
         assert_eq!(found, by_definition(row, nan), "{length} samples");
     }
+}
+
+/// Every first so many bounds at once against each alone.
+#[track_caller]
+fn check_many<T: Lane + Debug>(row: &[T], bounds: &[T]) {
+    for count in 1..=bounds.len() {
+        for make in [Threshold::AtLeast, Threshold::AtMost] {
+            let each: Vec<_> = bounds[..count].iter().map(|&bound| make(bound)).collect();
+            let all = Thresholds::new(&each).unwrap();
+            for &level in Level::available() {
+                let mut found = vec![u64::MAX; words(row.len()) * all.count()];
+                many_at(level, row, &all, &mut found);
+                for (k, &threshold) in each.iter().enumerate() {
+                    let expected = by_definition(row, |sample| threshold.is_inside(sample));
+                    let found: Vec<u64> = found.iter().skip(k).step_by(count).copied().collect();
+                    assert_eq!(found, expected, "{level}, {threshold:?} of {count}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn thresholds_of_two_directions_or_that_nothing_passes_are_not_asked_at_once() {
+    use Threshold::{AtLeast, AtMost, Never};
+    let fits = |thresholds: &[Threshold<u8>]| Thresholds::new(thresholds).map(|all| all.count());
+    assert_eq!(fits(&[AtLeast(7), AtLeast(3), AtLeast(7)]), Some(3));
+    assert_eq!(fits(&[AtMost(7)]), Some(1));
+    assert_eq!([fits(&[]), fits(&[AtLeast(7), AtMost(3)]), fits(&[AtLeast(7), Never])], [None; 3]);
 }
 
 #[test]

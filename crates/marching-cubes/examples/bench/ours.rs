@@ -7,7 +7,7 @@ use crate::{
 };
 use isokit_job::{Job, Threads};
 use isokit_lanes::{Level, signs, words};
-use isokit_marching_cubes::{self as mc, ExtractOptions, count, extract_into};
+use isokit_marching_cubes::{self as mc, ExtractOptions, count_many, extract_into};
 use isokit_mesh::{Counts, Positions, TriMesh};
 use isokit_volume::{Dtype, Grid, Sample, Volume, for_dtype};
 use rayon::prelude::*;
@@ -69,11 +69,15 @@ impl<T: Sample> Isokit<T> {
         Ok(Answer { parts, input: Some(self.input()), ..counted(answer, counts) })
     }
 
-    fn count(&mut self, iso: f64, threads: usize) -> Result<Answer, Failure> {
+    fn count(&mut self, isos: &[f64], threads: usize) -> Result<Answer, Failure> {
         let job = self.job(threads)?;
         let options = ExtractOptions::DEFAULT.with_boundary(mc::Boundary::Open);
-        let (answer, counts) = timed(|| count(&self.volume.view(), iso, &options, &job));
-        Ok(counted(answer, counts?))
+        let (answer, counts) = timed(|| count_many(&self.volume.view(), isos, &options, &job));
+        let sum = counts?.iter().fold(Counts::default(), |sum, one| Counts {
+            vertices: sum.vertices + one.vertices,
+            triangles: sum.triangles + one.triangles,
+        });
+        Ok(counted(answer, sum))
     }
 
     /// One bit per sample, as the first pass of an extraction makes them.
@@ -149,7 +153,7 @@ impl<T: Sample> Contender for Isokit<T> {
         match request {
             Request::Load(_) => Err("a volume is loaded".into()),
             Request::Extract(request) => self.extract(&request),
-            Request::Count { iso, threads } => self.count(iso, threads),
+            Request::Count { isos, threads } => self.count(&isos, threads),
             Request::Classify { iso, threads } => self.classify(iso, threads),
             Request::Read { threads } => self.read(threads),
             Request::Copy { threads } => self.copy(threads),

@@ -19,8 +19,8 @@ pub(crate) enum Request {
     Load(Load),
     /// Make the surface.
     Extract(Extract),
-    /// Count its vertices and triangles, and make nothing.
-    Count { iso: f64, threads: usize },
+    /// Count vertices and triangles of the surfaces of these values, and make nothing.
+    Count { isos: Vec<f64>, threads: usize },
     /// Compare every sample with the value, into bits that were written before.
     Classify { iso: f64, threads: usize },
     /// Read every sample.

@@ -8,6 +8,8 @@ use isokit_mesh::{Counts, Positions, Precision};
 use isokit_volume::{Grid, Sample, Scaling, View, Volume};
 use std::{collections::BTreeMap, num::NonZeroUsize};
 
+mod many;
+
 type Point = [i64; 3];
 
 /// A lattice edge: z and the order within a slice first, so that a map's order is the numbers' order.
