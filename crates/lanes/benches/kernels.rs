@@ -5,8 +5,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_lanes::{
-    CaseTable, Edges, Field, FirstVertices, Lane, Level, Samples, Threshold, Vertices, Word,
-    count_row, signs, triangles, vertices, words, words_of_row,
+    BitRows, CaseTable, Edges, Field, FirstVertices, Lane, Level, RowCounts, Samples, Threshold,
+    Vertices, Word, count_rows, signs, triangles, vertices, words, words_of_rows,
 };
 use std::hint::black_box;
 
@@ -67,8 +67,8 @@ fn every_type(criterion: &mut Criterion) {
     signs_of(criterion, "f64", |n| n as i64 as f64, 0.5);
 }
 
-/// Four rows of bits in runs of the given length, as a surface leaves them.
-fn rows_in_runs(run: u64) -> [Vec<u64>; 4] {
+/// Five rows of bits in runs of the given length, as a surface leaves them.
+fn slice_in_runs(run: u64) -> Vec<u64> {
     let mut chance = chance();
     let mut row = || -> Vec<u64> {
         let mut inside = false;
@@ -82,7 +82,7 @@ fn rows_in_runs(run: u64) -> [Vec<u64>; 4] {
         };
         (0..words(ROW)).map(|_| (0..64).fold(0, |word, i| word | bit() << i)).collect()
     };
-    [row(), row(), row(), row()]
+    (0..5).flat_map(|_| row()).collect()
 }
 
 /// Counting and making the triangles of rows that are dense, and less so.
@@ -95,22 +95,24 @@ fn cells(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group(format!("cells/{}", Level::current()));
     for run in [2, 16] {
-        let rows = rows_in_runs(run);
-        let rows = rows.each_ref().map(Vec::as_slice);
-        let mut found = vec![];
-        words_of_row(rows, ROW, &mut found);
-        let total = count_row(rows, ROW, &table.counts).triangles;
+        let (low, high) = (slice_in_runs(run), slice_in_runs(run));
+        let bits = BitRows::new(&low, Some(&high), ROW);
+        let (mut found, mut counts) = (vec![], [RowCounts::default(); 4]);
+        words_of_rows(&bits, 0..4, &mut found);
+        count_rows(&bits, 0..4, &table.counts, &mut counts);
+        let total: u32 = counts.iter().map(|row| row.triangles).sum();
         group.throughput(Throughput::Elements(total.into()));
         group.bench_function(BenchmarkId::new("count", run), |bencher| {
-            bencher.iter(|| count_row(black_box(rows), ROW, &table.counts));
+            bencher.iter(|| count_rows(black_box(&bits), 0..4, &table.counts, &mut counts));
         });
         group.bench_function(BenchmarkId::new("words", run), |bencher| {
-            bencher.iter(|| words_of_row(black_box(rows), ROW, &mut found));
+            bencher.iter(|| words_of_rows(black_box(&bits), 0..4, &mut found));
         });
         let mut out = vec![[0; 3]; total as usize + 64];
         group.bench_function(BenchmarkId::new("triangles", run), |bencher| {
-            bencher
-                .iter(|| triangles(black_box(&found), FirstVertices::default(), &table, &mut out));
+            bencher.iter(|| {
+                triangles(black_box(&found), |_| FirstVertices::default(), &table, &mut out)
+            });
         });
     }
     group.finish();
@@ -139,7 +141,7 @@ fn crossings(criterion: &mut Criterion) {
     for (y, axis) in (1..62_u32).flat_map(|y| (0..3).map(move |axis| (y, axis))) {
         // On the plane where the three numbers sum up to 94.
         let word = Word { cuts: [1 << (62 - y); 8], ..Word::default() };
-        edges.push(axis, [0, y], &[word]);
+        edges.push(&[axis], [0, y], &[word]);
     }
     let mut positions = vec![[0_f32; 3]; edges.len()];
     let mut normals = vec![[0.0; 3]; edges.len()];

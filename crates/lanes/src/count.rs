@@ -1,6 +1,7 @@
-//! How many vertices and triangles a row makes.
+//! How many vertices and triangles rows make.
 
-use crate::{Level, Word, word::each_word};
+use crate::{BitRows, Level, Word};
+use std::ops::Range;
 
 /// Vertices on the edges that a row owns, along x, y and z, and triangles of its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,56 +16,63 @@ pub struct RowCounts {
     pub triangles: u32,
 }
 
-/// Counts what a row of `points` lattice points makes, from the four rows around its cells at (y, z) =
-/// 00, 10, 01, 11; `triangles` has the number of triangles of each case.
+/// Counts what some rows make, each into its place in `out`; `triangles` has the number of triangles of
+/// each case.
 ///
 /// # Panics
 ///
-/// If the rows are not of `points` points each.
-pub fn count_row(rows: [&[u64]; 4], points: usize, triangles: &[u8; 256]) -> RowCounts {
-    count_row_at(Level::current(), rows, points, triangles)
+/// If there are no such rows, or `out` has not room for exactly those.
+pub fn count_rows(
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    triangles: &[u8; 256],
+    out: &mut [RowCounts],
+) {
+    count_rows_at(Level::current(), bits, rows, triangles, out);
 }
 
-fn count_row_at(
+fn count_rows_at(
     level: Level,
-    rows: [&[u64]; 4],
-    points: usize,
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
     triangles: &[u8; 256],
-) -> RowCounts {
+    out: &mut [RowCounts],
+) {
+    assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
+    assert_eq!(rows.len(), out.len(), "a count for each row");
+    out.fill(RowCounts::default());
     match level {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::count_row_avx512(rows, points, triangles) }
+            unsafe { wide::count_rows_avx512(bits, rows, triangles, out) }
         }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { wide::count_row_avx2(rows, points, triangles) }
+            unsafe { wide::count_rows_avx2(bits, rows, triangles, out) }
         }
-        _ => count_row_plain(rows, points, triangles),
+        _ => count_rows_plain(bits, rows, triangles, out),
     }
 }
 
 #[inline(always)]
-fn count_row_plain(rows: [&[u64]; 4], points: usize, triangles: &[u8; 256]) -> RowCounts {
-    let mut counts = RowCounts::default();
-    each_word(rows, points, |word| counts.add(word, triangles));
-    counts
-}
-
-/// Counts words of a row, as [`words_of_row`](crate::words_of_row) gives them.
-pub fn count(words: &[Word], triangles: &[u8; 256]) -> RowCounts {
-    let mut counts = RowCounts::default();
-    words.iter().for_each(|word| counts.add(word, triangles));
-    counts
+fn count_rows_plain(
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    triangles: &[u8; 256],
+    out: &mut [RowCounts],
+) {
+    let first = rows.start;
+    bits.each_word(rows, |word| out[word.row - first].add(word, triangles));
 }
 
 impl RowCounts {
+    /// Adds what a word makes; `triangles` has the number of triangles of each case.
     #[inline(always)]
-    fn add(&mut self, word: &Word, triangles: &[u8; 256]) {
+    pub fn add(&mut self, word: &Word, triangles: &[u8; 256]) {
         let [x, y, z] = word.owned();
         self.x += x.count_ones();
         self.y += y.count_ones();
@@ -80,63 +88,60 @@ impl RowCounts {
 
 #[cfg(target_arch = "x86_64")]
 mod wide {
-    use super::{RowCounts, count_row_plain};
-    use crate::word::wide::{Eight, words};
-    use std::arch::x86_64::*;
+    use super::{BitRows, RowCounts, count_rows_plain};
+    use crate::word::wide::{Eights, words};
+    use std::{arch::x86_64::*, ops::Range};
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(super) fn count_row_avx2(
-        rows: [&[u64]; 4],
-        points: usize,
+    pub(super) fn count_rows_avx2(
+        bits: &BitRows<'_>,
+        rows: Range<usize>,
         triangles: &[u8; 256],
-    ) -> RowCounts {
-        count_row_plain(rows, points, triangles)
+        out: &mut [RowCounts],
+    ) {
+        count_rows_plain(bits, rows, triangles, out);
     }
 
     /// All 64 cases of a word at once, looked up in a table of four registers.
     #[target_feature(
         enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq,gfni"
     )]
-    pub(super) fn count_row_avx512(
-        rows: [&[u64]; 4],
-        points: usize,
+    pub(super) fn count_rows_avx512(
+        bits: &BitRows<'_>,
+        rows: Range<usize>,
         triangles: &[u8; 256],
-    ) -> RowCounts {
+        out: &mut [RowCounts],
+    ) {
         let (table, _) = triangles.as_chunks::<64>();
         // SAFETY: each of the four chunks is 64 bytes; the load needs no alignment.
         let part = |n: usize| unsafe { _mm512_loadu_epi8(table[n].as_ptr().cast()) };
-        let zero = _mm512_setzero_si512();
-        let (mut sums, mut sum) = ([zero; 3], zero);
-        for w in (0..crate::words(points)).step_by(8) {
-            let eight = Eight::new(rows, w, points);
-            if eight.found == 0 {
-                continue;
-            }
-            for (sum, owned) in sums.iter_mut().zip(eight.owned) {
-                *sum = _mm512_add_epi64(*sum, _mm512_popcnt_epi64(owned));
-            }
-            let (corners, active) = (eight.corners(), words(eight.active));
-            let mut found = _mm512_test_epi64_mask(eight.active, eight.active);
+        let table = [part(0), part(1), part(2), part(3)];
+        let first = rows.start;
+        let mut eights = Eights::new(bits, rows);
+        while let Some(eight) = eights.next() {
+            let [x, y, z] = eight.owned;
+            let x = words(_mm512_popcnt_epi64(x));
+            let y = words(_mm512_popcnt_epi64(y));
+            let z = words(_mm512_popcnt_epi64(z));
+            let active = words(eight.active);
+            let corners = eight.corners();
+            let mut found = eight.found;
             while found != 0 {
                 let n = found.trailing_zeros() as usize;
                 found &= found - 1;
                 let cases = cases(corners[n]);
                 // The lower half of the table for cases below 128, the upper for the others.
-                let low = _mm512_permutex2var_epi8(part(0), cases, part(1));
-                let high = _mm512_permutex2var_epi8(part(2), cases, part(3));
-                let found = _mm512_mask_blend_epi8(_mm512_movepi8_mask(cases), low, high);
-                let found = _mm512_maskz_mov_epi8(active[n], found);
-                sum = _mm512_add_epi64(sum, _mm512_sad_epu8(found, zero));
+                let low = _mm512_permutex2var_epi8(table[0], cases, table[1]);
+                let high = _mm512_permutex2var_epi8(table[2], cases, table[3]);
+                let all = _mm512_mask_blend_epi8(_mm512_movepi8_mask(cases), low, high);
+                let own = _mm512_maskz_mov_epi8(active[n], all);
+                let sums = _mm512_sad_epu8(own, _mm512_setzero_si512());
+                let counts = &mut out[eight.place(n)[0] - first];
+                counts.x += x[n] as u32;
+                counts.y += y[n] as u32;
+                counts.z += z[n] as u32;
+                counts.triangles += _mm512_reduce_add_epi64(sums) as u32;
             }
-        }
-        if _mm512_test_epi64_mask(sum, sum) == 0 && sums_are_zero(sums) {
-            return RowCounts::default();
-        }
-        RowCounts {
-            x: _mm512_reduce_add_epi64(sums[0]) as u32,
-            y: _mm512_reduce_add_epi64(sums[1]) as u32,
-            z: _mm512_reduce_add_epi64(sums[2]) as u32,
-            triangles: _mm512_reduce_add_epi64(sum) as u32,
         }
     }
 
@@ -164,19 +169,12 @@ mod wide {
             matrices,
         )
     }
-
-    #[inline]
-    #[target_feature(enable = "avx512f")]
-    fn sums_are_zero([x, y, z]: [__m512i; 3]) -> bool {
-        let any = _mm512_or_si512(_mm512_or_si512(x, y), z);
-        _mm512_test_epi64_mask(any, any) == 0
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{RowCounts, count, count_row_at};
-    use crate::{Level, Word, words_of_row};
+    use super::{RowCounts, count_rows_at};
+    use crate::{BitRows, Level, Word, words_of_rows};
 
     #[test]
     fn every_level_agrees_with_the_definition() {
@@ -190,36 +188,39 @@ mod tests {
         let mut words = vec![];
         for points in (1..=200_usize).chain([511, 512, 513, 600, 1100]) {
             for is_sparse in [false, true] {
-                let mut row = || -> Vec<u64> {
-                    let mut word = || if is_sparse && chance() % 4 > 0 { 0 } else { chance() };
-                    let mut row: Vec<u64> = (0..points.div_ceil(64)).map(|_| word()).collect();
-                    if !points.is_multiple_of(64) {
-                        row[points / 64] &= (1 << (points % 64)) - 1;
-                    }
-                    row
+                let rows = 1 + chance() as usize % 7;
+                let mut slice = || -> Vec<u64> {
+                    let per_row = points.div_ceil(64);
+                    let mut word = |n: usize| {
+                        let word = if is_sparse && chance() % 4 > 0 { 0 } else { chance() };
+                        let is_cut = n % per_row == per_row - 1 && !points.is_multiple_of(64);
+                        if is_cut { word & ((1 << (points % 64)) - 1) } else { word }
+                    };
+                    (0..per_row * rows).map(&mut word).collect()
                 };
-                let rows = [row(), row(), row(), row()];
-                let rows = rows.each_ref().map(Vec::as_slice);
-                words_of_row(rows, points, &mut words);
-                let expected = by_definition(&words, &table);
-                assert_eq!(count(&words, &table), expected, "{points} points");
+                let (low, high) = (slice(), slice());
+                let next = (points % 5 > 0).then_some(&high[..]);
+                let bits = BitRows::new(&low, next, points);
+                let own = rows / 4..rows;
+                words_of_rows(&bits, own.clone(), &mut words);
+                let mut expected = vec![RowCounts::default(); own.len()];
+                words.iter().for_each(|w| define(w, &table, &mut expected[w.row - own.start]));
                 for &level in Level::available() {
-                    let found = count_row_at(level, rows, points, &table);
+                    let mut found = vec![RowCounts { x: 7, ..RowCounts::default() }; own.len()];
+                    count_rows_at(level, &bits, own.clone(), &table, &mut found);
                     assert_eq!(found, expected, "{level}, {points} points");
                 }
             }
         }
     }
 
-    fn by_definition(words: &[Word], table: &[u8; 256]) -> RowCounts {
-        let mut counts = RowCounts::default();
-        for (word, i) in words.iter().flat_map(|word| (0..64).map(move |i| (word, i))) {
+    fn define(word: &Word, table: &[u8; 256], counts: &mut RowCounts) {
+        for i in 0..64 {
             let bit = |mask: u64| (mask >> i & 1) as u32;
             counts.x += bit(word.cuts[0]);
             counts.y += bit(word.cuts[4]);
             counts.z += bit(word.cuts[6]);
             counts.triangles += bit(word.active) * u32::from(table[usize::from(word.case(i))]);
         }
-        counts
     }
 }

@@ -56,18 +56,19 @@ impl<'a, T: Lane> Samples<'a, T> {
         self.all
     }
 
-    /// Asks for samples of row `y` of slice `z` that will be read soon: those of the same numbers as the
-    /// cells of `words`, where number 0 is sample `x`. All three may be wrapped, and beyond the last.
+    /// Asks for samples of slice `z` that will be read soon: those of the same numbers as the cells of
+    /// `words` whose edges are cut, where number 0 of row 0 is sample `x` of row `y`. All three may be
+    /// wrapped, or beyond the last.
     #[inline(always)]
     pub fn prefetch(&self, [x, y, z]: [u32; 3], words: &[Word]) {
         #[cfg(target_arch = "x86_64")]
-        if self.strides[0] == 1 && y < self.dims[1] && z < self.dims[2] {
+        if self.strides[0] == 1 && z < self.dims[2] {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let row = i64::from(y) * self.strides[1] + i64::from(z) * self.strides[2];
-            let first = self.first + row + i64::from(x as i32);
+            let slice = self.first + i64::from(z) * self.strides[2] + i64::from(x as i32);
             for word in words {
-                let sample =
-                    self.all.as_ptr().wrapping_offset(first as isize + word.first as isize);
+                let row = i64::from(y as i32) + word.row as i64;
+                let first = slice + row * self.strides[1] + word.first as i64;
+                let sample = self.all.as_ptr().wrapping_offset(first as isize);
                 let [x, y, z] = word.owned();
                 let per_line = 64 / size_of::<T>();
                 for line in 0..size_of::<T>() {

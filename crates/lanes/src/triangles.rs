@@ -28,16 +28,17 @@ pub struct FirstVertices {
     pub z: [u32; 2],
 }
 
-/// Writes the triangles of a row of cells to the front of `out`, and gives how many there are.
+/// Writes the triangles of rows of cells to the front of `out`, and gives how many there are.
 ///
-/// `words` are all that hold a cut, as [`words_of_row`](crate::words_of_row) gives them.
+/// `words` are all that hold a cut in these rows, as [`words_of_rows`](crate::words_of_rows) gives them.
+/// `first` is asked for the first vertices of each row of theirs once.
 ///
 /// # Panics
 ///
 /// If `out` has not room for them all.
 pub fn triangles(
     words: &[Word],
-    first: FirstVertices,
+    first: impl FnMut(usize) -> FirstVertices,
     table: &CaseTable,
     out: &mut [[u32; 3]],
 ) -> usize {
@@ -47,7 +48,7 @@ pub fn triangles(
 fn triangles_at(
     level: Level,
     words: &[Word],
-    first: FirstVertices,
+    first: impl FnMut(usize) -> FirstVertices,
     table: &CaseTable,
     out: &mut [[u32; 3]],
 ) -> usize {
@@ -71,12 +72,16 @@ fn triangles_at(
 #[inline(always)]
 fn triangles_plain(
     words: &[Word],
-    mut next: FirstVertices,
+    mut first: impl FnMut(usize) -> FirstVertices,
     table: &CaseTable,
     out: &mut [[u32; 3]],
 ) -> usize {
+    let (mut next, mut row) = (FirstVertices::default(), None);
     let mut filled = 0;
     for word in words {
+        if row != Some(word.row) {
+            (next, row) = (first(word.row), Some(word.row));
+        }
         let mut active = word.active;
         while active != 0 {
             let cell = active.trailing_zeros();
@@ -135,7 +140,7 @@ mod wide {
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
     pub(super) fn triangles_avx2(
         words: &[Word],
-        first: FirstVertices,
+        first: impl FnMut(usize) -> FirstVertices,
         table: &CaseTable,
         out: &mut [[u32; 3]],
     ) -> usize {
@@ -149,19 +154,23 @@ mod wide {
     )]
     pub(super) fn triangles_avx512(
         words: &[Word],
-        first: FirstVertices,
+        mut first: impl FnMut(usize) -> FirstVertices,
         table: &CaseTable,
         out: &mut [[u32; 3]],
     ) -> usize {
-        let FirstVertices { x, y, z } = first;
-        let lists = [x[0], x[1], x[2], x[3], y[0], y[1], z[0], z[1]].map(i64::from);
-        // SAFETY: eight 64-bit numbers fill the register; the load needs no alignment.
-        let mut next = unsafe { _mm512_loadu_epi64(lists.as_ptr()) };
+        let (mut next, mut row) = (_mm512_setzero_si512(), None);
         // From (x0…x3 y0 y2 z0 z2 | the same, one further on if cut) to the order of a cell's edges.
         let order = _mm512_setr_epi32(0, 1, 2, 3, 4, 12, 5, 13, 6, 14, 7, 15, 0, 0, 0, 0);
         let out = out.as_flattened_mut();
         let mut filled = 0;
         for word in words {
+            if row != Some(word.row) {
+                let FirstVertices { x: [a, b, c, d], y: [e, f], z: [g, h] } = first(word.row);
+                let lists = [a, b, c, d, e, f, g, h].map(i64::from);
+                // SAFETY: eight 64-bit numbers fill the register; the load needs no alignment.
+                next = unsafe { _mm512_loadu_epi64(lists.as_ptr()) };
+                row = Some(word.row);
+            }
             // SAFETY: both are eight 64-bit numbers.
             let (cuts, corners) = unsafe {
                 (
@@ -213,7 +222,7 @@ mod wide {
 #[cfg(test)]
 mod tests {
     use super::{CaseTable, FirstVertices, triangles_at};
-    use crate::{Level, count, words_of_row};
+    use crate::{BitRows, Level, words_of_rows};
     use std::collections::BTreeMap;
 
     struct Chance(u64);
@@ -259,18 +268,29 @@ mod tests {
         let table = chance.table();
         let mut words = vec![];
         for points in 2..=200_usize {
-            let rows = [(); 4].map(|()| chance.row(points));
-            let rows = rows.each_ref().map(Vec::as_slice);
-            words_of_row(rows, points, &mut words);
-            let first =
-                FirstVertices { x: [5, 1000, 2000, 3000], y: [4000, 5000], z: [6000, 7000] };
-            let expected = by_definition(rows, points, first, &table);
-            let count = count(&words, &table.counts).triangles as usize;
-            assert_eq!(count, expected.len());
+            let [low, high] = [(); 2].map(|()| [(); 4].map(|()| chance.row(points)));
+            let flat = [low.concat(), high.concat()];
+            let bits = BitRows::new(&flat[0], Some(&flat[1]), points);
+            words_of_rows(&bits, 0..4, &mut words);
+            let first = |row: usize| {
+                let n = 100_000 * row as u32;
+                FirstVertices {
+                    x: [5, 1000, 2000, 3000].map(|x| n + x),
+                    y: [n + 4000, n + 5000],
+                    z: [n + 6000, n + 7000],
+                }
+            };
+            // No cell starts in the last row.
+            let expected: Vec<_> = (0..3)
+                .flat_map(|y| {
+                    let rows = [&low[y][..], &low[y + 1], &high[y], &high[y + 1]];
+                    by_definition(rows, points, first(y), &table)
+                })
+                .collect();
             for &level in Level::available() {
-                let mut out = vec![[u32::MAX; 3]; count + 9];
-                let (room, behind) = out.split_at_mut(count);
-                assert_eq!(triangles_at(level, &words, first, &table, room), count);
+                let mut out = vec![[u32::MAX; 3]; expected.len() + 9];
+                let (room, behind) = out.split_at_mut(expected.len());
+                assert_eq!(triangles_at(level, &words, first, &table, room), expected.len());
                 assert_eq!(room, expected, "{level}, {points} points");
                 assert_eq!(behind, [[u32::MAX; 3]; 9]);
             }

@@ -16,7 +16,7 @@ mod edges;
 mod tests;
 mod wide;
 
-pub use edges::Edges;
+pub use edges::{BLOCK, Edges};
 pub(crate) use wide::Exact;
 
 use crate::{Lane, Level, Samples};

@@ -8,7 +8,7 @@ use crate::{
 };
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
-    Coordinate, Edges, FirstVertices, Word, prefer_large_pages, provide, triangles,
+    BLOCK, Coordinate, Edges, FirstVertices, Word, prefer_large_pages, provide, triangles,
 };
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
@@ -126,20 +126,26 @@ impl<T: Sample> Fill<'_, T> {
         let mut upright = room.split_off((end - first.z) as usize);
         along_x_and_y.edges.begin(self.sample(z));
         along_z.edges.begin(self.sample(z));
-        for y in 0..ny {
-            if self.layout.is_blank(self.planes.lattice, y, z) {
+        let rows_of_block = (BLOCK / self.planes.lattice.words).max(1);
+        for y in (0..ny).step_by(rows_of_block) {
+            let rows = y..ny.min(y + rows_of_block);
+            if self.layout.are_blank(self.planes.lattice, rows.clone(), z) {
                 continue;
             }
-            self.layout.words_of_row(self.planes, [y, z], words);
-            // The farthest neighbours of an edge to the next slice; all others were there before.
-            self.placement.expect([0, y, z + 2].map(|n| self.sample(n)), words);
-            self.edges(0, y, words, along_x_and_y, &mut flat);
-            self.edges(1, y, words, along_x_and_y, &mut flat);
-            self.edges(2, y, words, along_z, &mut upright);
-            if y + 1 < ny && z + 1 < nz {
-                let written = self.triangles([y, z], words, triangles);
+            self.layout.words(self.planes, rows, z, words);
+            if z + 1 < nz {
+                let written = self.triangles(z, words, triangles);
                 split_off(triangles, written);
             }
+            match words.len() <= BLOCK {
+                true => self.edges(&[0, 1], words, along_x_and_y, &mut flat),
+                false => {
+                    // One long row: all edges along x come before those along y.
+                    self.edges(&[0], words, along_x_and_y, &mut flat);
+                    self.edges(&[1], words, along_x_and_y, &mut flat);
+                }
+            }
+            self.edges(&[2], words, along_z, &mut upright);
         }
         self.flush(along_x_and_y, &mut flat);
         self.flush(along_z, &mut upright);
@@ -151,23 +157,19 @@ impl<T: Sample> Fill<'_, T> {
         point.wrapping_sub(self.planes.lattice.guard) as u32
     }
 
-    /// Sends the edges along one axis that a row owns and that are cut to their vertices.
+    /// Sends the cut edges along some axes to their vertices.
     #[inline(always)]
     fn edges<C: Coordinate>(
         &self,
-        axis: usize,
-        y: usize,
-        mut words: &[Word],
+        axes: &[usize],
+        words: &[Word],
         queue: &mut Queue,
         room: &mut Room<'_, C>,
     ) {
-        loop {
-            let taken = queue.edges.push(axis, [self.sample(0), self.sample(y)], words);
-            words = &words[taken..];
-            if words.is_empty() {
-                return;
+        for words in words.chunks(BLOCK) {
+            if queue.edges.push(axes, [self.sample(0); 2], words) {
+                self.flush(queue, room);
             }
-            self.flush(queue, room);
         }
     }
 
@@ -179,14 +181,24 @@ impl<T: Sample> Fill<'_, T> {
         edges.clear();
     }
 
-    /// The triangles of the cells that start in a row, to the front of `out`.
-    fn triangles(&self, [y, z]: [usize; 2], words: &[Word], out: &mut [[u32; 3]]) -> usize {
-        let row = |dy: usize, dz: usize| self.layout.row(self.planes.lattice, y + dy, z + dz);
-        let rows = [row(0, 0), row(1, 0), row(0, 1), row(1, 1)];
-        let first = FirstVertices {
-            x: rows.map(|row| row.x),
-            y: [rows[0].y, rows[2].y],
-            z: [rows[0].z, rows[1].z],
+    /// The triangles of the cells in `words`, to the front of `out`.
+    fn triangles(&self, z: usize, words: &[Word], out: &mut [[u32; 3]]) -> usize {
+        let (lattice, last) = (self.planes.lattice, self.planes.lattice.points[1] - 1);
+        let mut left = words;
+        let first = |y: usize| {
+            // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time:
+            // all others were looked at before.
+            let row = left.partition_point(|word| word.row <= y);
+            self.placement.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
+            left = &left[row..];
+            // Where there is no next row there are no cells either.
+            let row = |dy: usize, dz: usize| self.layout.row(lattice, (y + dy).min(last), z + dz);
+            let rows = [row(0, 0), row(1, 0), row(0, 1), row(1, 1)];
+            FirstVertices {
+                x: [rows[0].x, rows[1].x, rows[2].x, rows[3].x],
+                y: [rows[0].y, rows[2].y],
+                z: [rows[0].z, rows[1].z],
+            }
         };
         let table = match self.winding {
             Winding::Kept => &CASES,

@@ -12,23 +12,14 @@ use crate::{
     planes::{Lattice, Planes},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{RowCounts, Word, count, count_row, words_of_row};
+use isokit_lanes::{Word, count_rows, words_of_rows};
 use isokit_mesh::Counts;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// What one row of lattice points owns. First its counts; then, in their place, the number of the
 /// first of each. Triangles are numbered from the slice's first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Row {
-    /// Vertices on edges along x.
-    pub(crate) x: u32,
-    /// Vertices on edges along y, to the next row.
-    pub(crate) y: u32,
-    /// Vertices on edges along z, to the next slice.
-    pub(crate) z: u32,
-    /// Triangles of the cells that start at the row.
-    pub(crate) triangles: u32,
-}
+pub(crate) use isokit_lanes::RowCounts as Row;
 
 /// The number of the first vertex and triangle of every slice and row.
 #[derive(Debug)]
@@ -81,26 +72,26 @@ impl Layout {
         self.slices[self.slices.len() - 1]
     }
 
-    /// Whether a row makes nothing: the next one begins where it begins.
+    /// Whether some rows of a slice make nothing: what follows them begins where they begin.
     #[inline(always)]
-    pub(crate) fn is_blank(&self, lattice: Lattice, y: usize, z: usize) -> bool {
-        let (own, first, end) =
-            (self.row(lattice, y, z), self.row(lattice, 0, z), self.slices[z + 1]);
-        let next = match y + 1 < lattice.points[1] {
-            true => self.row(lattice, y + 1, z),
+    pub(crate) fn are_blank(&self, lattice: Lattice, rows: Range<usize>, z: usize) -> bool {
+        let (own, first) = (self.row(lattice, rows.start, z), self.row(lattice, 0, z));
+        let (before, end) = (self.slices[z], self.slices[z + 1]);
+        let next = match rows.end < lattice.points[1] {
+            true => self.row(lattice, rows.end, z),
             false => Row {
                 x: first.z,
                 y: first.z,
                 z: end.vertices as u32,
-                triangles: (end.triangles - self.slices[z].triangles) as u32,
+                triangles: (end.triangles - before.triangles) as u32,
             },
         };
         (own.x, own.z, own.triangles) == (next.x, next.z, next.triangles)
     }
 
-    /// The words of a row that hold a crossed cell or a cut edge that the row owns.
-    pub(crate) fn words_of_row(&self, planes: &Planes, place: [usize; 2], out: &mut Vec<Word>) {
-        words(planes, self.live.as_ref(), place, out);
+    /// The words of some rows of a slice that hold a crossed cell or a cut edge of the row.
+    pub(crate) fn words(&self, planes: &Planes, rows: Range<usize>, z: usize, out: &mut Vec<Word>) {
+        words(planes, self.live.as_ref(), rows, z, out);
     }
 
     /// The record of a row.
@@ -110,30 +101,17 @@ impl Layout {
     }
 }
 
-/// The words of a row that hold a crossed cell or a cut edge that the row owns.
-fn words(planes: &Planes, live: Option<&LiveCells>, [y, z]: [usize; 2], out: &mut Vec<Word>) {
-    let (rows, has_cells) = rows(planes, [y, z]);
-    words_of_row(rows, planes.lattice.points[0], out);
+fn words(
+    planes: &Planes,
+    live: Option<&LiveCells>,
+    rows: Range<usize>,
+    z: usize,
+    out: &mut Vec<Word>,
+) {
+    words_of_rows(&planes.inside.slices(z), rows, out);
     if let Some(live) = live {
-        out.iter_mut().for_each(|word| live.restrict(word, [y, z]));
+        out.iter_mut().for_each(|word| live.restrict(word, z));
     }
-    if !has_cells {
-        out.iter_mut().for_each(|word| word.active = 0);
-    }
-}
-
-/// The four rows around the cells that start in row `y`, `z`, and whether there are cells. Beyond the
-/// last row or slice the row itself stands in, so that no edge leads there.
-#[inline(always)]
-fn rows(planes: &Planes, [y, z]: [usize; 2]) -> ([&[u64]; 4], bool) {
-    let [_, ny, nz] = planes.lattice.points;
-    let (next_y, next_z) = ((y + 1).min(ny - 1), (z + 1).min(nz - 1));
-    let inside = &planes.inside;
-    let [low, high] = [
-        [inside.row(y, z), inside.row(next_y, z)],
-        [inside.row(y, next_z), inside.row(next_y, next_z)],
-    ];
-    ([low[0], low[1], high[0], high[1]], next_y > y && next_z > z)
 }
 
 fn count_slice(
@@ -143,17 +121,15 @@ fn count_slice(
     slice: &mut [Row],
     scratch: &mut Vec<Word>,
 ) -> Counts {
+    let rows = 0..slice.len();
+    if live.is_some() {
+        words(planes, live, rows, z, scratch);
+        scratch.iter().for_each(|word| slice[word.row].add(word, &CASES.counts));
+    } else {
+        count_rows(&planes.inside.slices(z), rows, &CASES.counts, slice);
+    }
     let mut counts = Counts::default();
-    for (y, row) in slice.iter_mut().enumerate() {
-        let found = if live.is_some() {
-            words(planes, live, [y, z], scratch);
-            count(scratch, &CASES.counts)
-        } else {
-            let (rows, has_cells) = rows(planes, [y, z]);
-            let found = count_row(rows, planes.lattice.points[0], &CASES.counts);
-            RowCounts { triangles: if has_cells { found.triangles } else { 0 }, ..found }
-        };
-        *row = Row { x: found.x, y: found.y, z: found.z, triangles: found.triangles };
+    for row in slice {
         counts.vertices += u64::from(row.x) + u64::from(row.y) + u64::from(row.z);
         counts.triangles += u64::from(row.triangles);
     }

@@ -27,8 +27,8 @@ impl LiveCells {
     }
 
     /// Takes away the cells that have no value at some corner, and the edges that only such cells share.
-    pub(crate) fn restrict(&self, word: &mut Word, [y, z]: [usize; 2]) {
-        let w = word.first / WORD;
+    pub(crate) fn restrict(&self, word: &mut Word, z: usize) {
+        let (w, y) = (word.first / WORD, word.row);
         // Cell rows are asked for one before their own as well; before the first there is none.
         let row = |dy: usize, dz: usize| self.word(y.wrapping_add(dy), z.wrapping_add(dz), w);
         let before = usize::MAX;

@@ -1,12 +1,12 @@
 //! Which lattice points are inside, one bit each.
 //!
 //! The *lattice* is the samples, and for a closed boundary one guard point beyond each end of each axis,
-//! all of them outside. No volume is copied for that: a row is shifted by one bit, and the guard rows are
-//! one row of zeros that all share. Bit `i % 64` of word `i / 64` is point `i`; bits beyond the last point
+//! all of them outside. No volume is copied for that: a row is shifted by one bit, and the rows of guards are
+//! zeros. Bit `i % 64` of word `i / 64` is point `i`; bits beyond the last point
 //! are 0.
 
 use crate::Boundary;
-use isokit_lanes::words;
+use isokit_lanes::{BitRows, words};
 use std::sync::Arc;
 
 mod classify;
@@ -55,25 +55,29 @@ impl Lattice {
 #[derive(Debug)]
 pub(crate) struct Plane {
     lattice: Lattice,
-    /// The rows that hold samples.
     bits: Vec<u64>,
-    /// The row of every guard.
-    zeros: Vec<u64>,
 }
 
 impl Plane {
+    /// The rows of slice `z` of the lattice.
+    #[inline(always)]
+    fn slice(&self, z: usize) -> &[u64] {
+        let words = self.lattice.words * self.lattice.points[1];
+        &self.bits[z * words..(z + 1) * words]
+    }
+
+    /// The rows of slice `z`, and those of the next.
+    #[inline(always)]
+    pub(crate) fn slices(&self, z: usize) -> BitRows<'_> {
+        let [nx, _, nz] = self.lattice.points;
+        BitRows::new(self.slice(z), (z + 1 < nz).then(|| self.slice(z + 1)), nx)
+    }
+
     /// Row `y` of slice `z` of the lattice.
     #[inline(always)]
     pub(crate) fn row(&self, y: usize, z: usize) -> &[u64] {
-        let Lattice { points, guard, words } = self.lattice;
-        let (j, k) = (y.wrapping_sub(guard), z.wrapping_sub(guard));
-        let (ny, nz) = (points[1] - 2 * guard, points[2] - 2 * guard);
-        if j < ny && k < nz {
-            let first = (j + ny * k) * words;
-            &self.bits[first..first + words]
-        } else {
-            &self.zeros
-        }
+        let words = self.lattice.words;
+        &self.slice(z)[y * words..(y + 1) * words]
     }
 
     /// The four rows around the cells that start in row `y`, `z`: at (y, z) = 00, 10, 01, 11.

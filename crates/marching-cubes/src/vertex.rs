@@ -77,8 +77,8 @@ impl<'a, T: Sample> Placement<'a, T> {
         }
     }
 
-    /// Says that samples around edges of `words`, whose bit 0 of word 0 is sample `first`, will soon be
-    /// asked for.
+    /// Says that samples around edges of `words`, where bit 0 of word 0 of row 0 is sample `first`, will
+    /// soon be asked for.
     #[inline(always)]
     pub(crate) fn expect(&self, first: [u32; 3], words: &[Word]) {
         if let Some(samples) = &self.samples {
@@ -298,7 +298,7 @@ mod tests {
         for (axis, y) in (0..3).flat_map(|axis| (0..19).map(move |y| (axis, y))) {
             let mut edges = Edges::default();
             edges.begin(9);
-            edges.push(axis, [0, y], &[Word { cuts: [(1 << 19) - 1; 8], ..Word::default() }]);
+            edges.push(&[axis], [0, y], &[Word { cuts: [(1 << 19) - 1; 8], ..Word::default() }]);
             let (mut positions, mut normals) = ([[0_f32; 3]; 19], [[0.0; 3]; 19]);
             placement.place(&edges, &mut positions, Some(&mut normals), &mut vec![]);
             for (n, normal) in normals.into_iter().enumerate() {

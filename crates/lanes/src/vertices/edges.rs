@@ -3,8 +3,15 @@
 use super::wide::BATCH;
 use crate::{Level, WORD, Word, word::OWN};
 
-/// Edges that are held at most: enough that calls cost nothing, few enough for the first cache.
-const ROOM: usize = 1024;
+/// With so many edges or more the queue is to be emptied: calls cost nothing then, and the first cache
+/// still holds them all.
+const FULL: usize = 1024;
+
+/// Words whose edges are added at a time, at most.
+pub const BLOCK: usize = 16;
+
+/// Room for what a block may add, along two axes, to a queue that is not full.
+const ROOM: usize = FULL + 2 * WORD * BLOCK;
 
 /// What a register may write beyond the last edge.
 const SLACK: usize = BATCH;
@@ -40,53 +47,65 @@ impl Edges {
         self.count = 0;
     }
 
-    /// Adds the cut edges along `axis` that start in the words of row `y`, where bit 0 of word 0 is
-    /// sample `x`, which may be a wrapped −1. Says of how many words there was room for the edges.
-    pub fn push(&mut self, axis: usize, [x, y]: [u32; 2], words: &[Word]) -> usize {
-        self.push_at(Level::current(), axis, [x, y], words)
+    /// Adds the cut edges that the rows of `words` own: row by row those along one axis and then those
+    /// along the next. Bit 0 of word 0 of row 0 is sample `first`, whose places may be a wrapped −1. Says
+    /// whether the queue is full now.
+    ///
+    /// # Panics
+    ///
+    /// If it was full before, if there are more than [`BLOCK`] words, or more than two axes.
+    pub fn push(&mut self, axes: &[usize], first: [u32; 2], words: &[Word]) -> bool {
+        self.push_at(Level::current(), axes, first, words)
     }
 
     pub(super) fn push_at(
         &mut self,
         level: Level,
-        axis: usize,
-        [x, y]: [u32; 2],
+        axes: &[usize],
+        first: [u32; 2],
         words: &[Word],
-    ) -> usize {
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => {
-                level.assert_available();
-                // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-                unsafe { self.push_avx512(axis, [x, y], words) }
+    ) -> bool {
+        assert!(self.count < FULL && words.len() <= BLOCK && axes.len() <= 2, "room for all edges");
+        for row in words.chunk_by(|a, b| a.row == b.row) {
+            for &axis in axes {
+                match level {
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx512 => {
+                        level.assert_available();
+                        // SAFETY: the machine has the level, asserted above; the function asks for room
+                        // besides, which there is for all words and axes.
+                        unsafe { self.push_row_avx512(axis, first, row) }
+                    }
+                    _ => self.push_row_plain(axis, first, row),
+                }
             }
-            _ => self.push_plain(axis, [x, y], words),
         }
+        self.count >= FULL
     }
 
     #[inline(always)]
-    fn push_plain(&mut self, axis: usize, [x, y]: [u32; 2], words: &[Word]) -> usize {
-        for (n, word) in words.iter().enumerate() {
-            if self.count + WORD > ROOM {
-                return n;
-            }
+    fn push_row_plain(&mut self, axis: usize, [x, y]: [u32; 2], words: &[Word]) {
+        for word in words {
             let first = x.wrapping_add(word.first as u32);
-            let mut cuts = word.owned()[axis];
+            let mut cuts = word.cuts[OWN[axis]];
             while cuts != 0 {
                 self.axis[self.count] = axis as u32;
                 self.x[self.count] = first.wrapping_add(cuts.trailing_zeros());
-                self.y[self.count] = y;
+                self.y[self.count] = y.wrapping_add(word.row as u32);
                 self.count += 1;
                 cuts &= cuts - 1;
             }
         }
-        words.len()
     }
 
     /// The places of the set bits of a word at once, then sixteen of them at a time.
+    ///
+    /// # Safety
+    ///
+    /// There must be room for the edges of all words.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vbmi2")]
-    fn push_avx512(&mut self, axis: usize, [x, y]: [u32; 2], words: &[Word]) -> usize {
+    unsafe fn push_row_avx512(&mut self, axis: usize, [x, y]: [u32; 2], words: &[Word]) {
         use std::arch::x86_64::*;
         const PLACES: [u8; WORD] = {
             let mut places = [0; WORD];
@@ -99,33 +118,30 @@ impl Edges {
         };
         // SAFETY: the places fill one register; the load needs no alignment.
         let places = unsafe { _mm512_loadu_epi8(PLACES.as_ptr().cast()) };
-        let (axes, ys) = (_mm512_set1_epi32(axis as i32), _mm512_set1_epi32(y as i32));
-        let mut lists =
-            [&mut self.x, &mut self.y, &mut self.axis].map(|list| &mut list[..ROOM + SLACK]);
-        for (n, word) in words.iter().enumerate() {
+        let Some(word) = words.first() else { return };
+        let y = _mm512_set1_epi32(y.wrapping_add(word.row as u32) as i32);
+        let axes = _mm512_set1_epi32(axis as i32);
+        let lists = [self.x.as_mut_ptr(), self.y.as_mut_ptr(), self.axis.as_mut_ptr()];
+        let mut end = self.count;
+        for word in words {
             let cuts = word.cuts[OWN[axis]];
-            if cuts == 0 {
-                continue;
-            }
-            if self.count + WORD > ROOM {
-                return n;
-            }
             let first = _mm512_set1_epi32(x.wrapping_add(word.first as u32) as i32);
             let mut found = _mm512_maskz_compress_epi8(cuts, places);
             let count = cuts.count_ones() as usize;
-            for from in (0..count).step_by(BATCH) {
+            for at in (end..end + count).step_by(BATCH) {
                 let low = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(found));
                 found = _mm512_alignr_epi64::<2>(found, found);
-                let numbers = [_mm512_add_epi32(first, low), ys, axes];
-                for (list, numbers) in lists.iter_mut().zip(numbers) {
-                    let room = &mut list[self.count + from..][..BATCH];
-                    // SAFETY: there is room for sixteen numbers.
-                    unsafe { _mm512_storeu_epi32(room.as_mut_ptr().cast(), numbers) };
+                // SAFETY: before `ROOM` there is room for the edges, as the caller says, and behind it for
+                // the rest of a register.
+                unsafe {
+                    _mm512_storeu_epi32(lists[0].add(at).cast(), _mm512_add_epi32(first, low));
+                    _mm512_storeu_epi32(lists[1].add(at).cast(), y);
+                    _mm512_storeu_epi32(lists[2].add(at).cast(), axes);
                 }
             }
-            self.count += count;
+            end += count;
         }
-        words.len()
+        self.count = end;
     }
 
     /// How many there are.

@@ -92,7 +92,7 @@ fn edges(level: Level, list: &[(usize, [u32; 2])], z: u32) -> Edges {
     for &(axis, [x, y]) in list {
         let mut word = Word::default();
         word.cuts[OWN[axis]] = 1;
-        assert_eq!(edges.push_at(level, axis, [x, y], &[word]), 1);
+        assert!(!edges.push_at(level, &[axis], [x, y], &[word]));
     }
     edges
 }
@@ -186,31 +186,33 @@ fn what_is_not_finite_is_odd_at_every_level() {
 }
 
 #[test]
-fn edges_come_in_the_order_of_their_bits_until_there_is_no_room() {
+fn edges_come_row_by_row_axis_by_axis_in_the_order_of_their_bits() {
     let mut chance = Chance(3);
-    for density in 0..4 {
-        let mut word = |first: usize| {
+    for density in 0..5 {
+        let mut word = |n: usize| {
             let cuts =
                 std::array::from_fn(|_| (0..density).fold(u64::MAX, |w, _| w & chance.next()));
-            Word { cuts, first, ..Word::default() }
+            Word { cuts, row: n / 10, first: 64 * (n % 10), ..Word::default() }
         };
-        let words: Vec<Word> = (0..40).map(|n| word(64 * n)).collect();
-        for (level, axis) in Level::available().iter().flat_map(|l| (0..3).map(move |k| (*l, k))) {
+        let words: Vec<Word> = (0..60).map(&mut word).collect();
+        for (&level, axes) in Level::available()
+            .iter()
+            .flat_map(|l| [&[0_usize, 1][..], &[2], &[1], &[]].map(|axes| (l, axes)))
+        {
             let mut edges = Edges::default();
             edges.begin(7);
-            let mut left = &words[..];
-            let mut found = vec![];
-            while !left.is_empty() {
-                let taken = edges.push_at(level, axis, [u32::MAX, 5], left);
-                assert!(taken > 0, "an empty queue has room for a word");
-                left = &left[taken..];
-                found.extend((0..edges.len()).map(|n| edges.get(n)));
-                edges.clear();
+            let mut expected = vec![];
+            for (row, axis) in (0..6).flat_map(|row| axes.iter().map(move |&axis| (row, axis))) {
+                for i in 0..640 {
+                    if words[10 * row + i / 64].owned()[axis] >> (i % 64) & 1 == 1 {
+                        expected.push((axis, [(i as u32).wrapping_sub(1), 5 + row as u32, 7]));
+                    }
+                }
             }
-            let bits = (0..40 * 64_u32)
-                .filter(|i| words[*i as usize / 64].owned()[axis] >> (i % 64) & 1 == 1);
-            let expected: Vec<_> = bits.map(|i| (axis, [i.wrapping_sub(1), 5, 7])).collect();
+            let is_full = edges.push_at(level, axes, [u32::MAX, 5], &words);
+            let found: Vec<_> = (0..edges.len()).map(|n| edges.get(n)).collect();
             assert_eq!(found, expected, "{level}");
+            assert_eq!(is_full, expected.len() >= 1024, "{level}");
         }
     }
 }

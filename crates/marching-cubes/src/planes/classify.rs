@@ -43,7 +43,7 @@ impl Planes {
         let of = |threshold| Self {
             lattice,
             inside: match threshold {
-                Threshold::Never => Plane { lattice, bits: vec![], zeros: vec![] },
+                Threshold::Never => Plane { lattice, bits: vec![] },
                 _ => inside.next().expect("a plane for each that is asked"),
             },
             missing: missing.clone(),
@@ -87,7 +87,7 @@ fn planes<T: Sample, E>(
     job: &Job,
 ) -> Result<(Vec<Plane>, Found), ExtractError<E>> {
     let [nx, ny, nz] = view.dims();
-    let rows = (ny as u64).checked_mul(nz as u64);
+    let (guard, rows) = (lattice.guard, lattice.rows());
     let size = rows.and_then(|rows| rows.checked_mul(lattice.words as u64));
     let plane = |_| job.limits.zeroed("sign plane", size);
     let mut bits = (0..count).map(plane).collect::<Result<Vec<Vec<u64>>, OverLimit>>()?;
@@ -97,11 +97,11 @@ fn planes<T: Sample, E>(
         let mut row_of_all = vec![0; count * words(nx)];
         for j in 0..ny {
             let row = view.row(j, k).gather(&mut scratch);
-            let own = j * lattice.words..(j + 1) * lattice.words;
+            let own = (guard + j) * lattice.words..(guard + j + 1) * lattice.words;
             let more = if let [slice] = &mut slices[..] {
                 let out = &mut slice[own];
                 let more = test(row, [j, k], &mut out[..words(nx)]);
-                place(out, lattice.guard);
+                place(out, guard);
                 more
             } else {
                 let more = test(row, [j, k], &mut row_of_all);
@@ -109,7 +109,7 @@ fn planes<T: Sample, E>(
                     let out = &mut slice[own.clone()];
                     let words = row_of_all.chunks_exact(count).map(|all| all[plane]);
                     out.iter_mut().zip(words).for_each(|(out, word)| *out = word);
-                    place(out, lattice.guard);
+                    place(out, guard);
                 }
                 more
             };
@@ -118,11 +118,13 @@ fn planes<T: Sample, E>(
         job.progress.advance(1);
         Ok(found)
     };
-    let found = slices(&mut bits, lattice.words * ny, nz).into_par_iter().enumerate().map(fill);
+    let mut slices = slices(&mut bits, lattice.words * lattice.points[1], lattice.points[2]);
+    let slices: Vec<_> = slices.drain(guard..guard + nz).collect();
+    let found = slices.into_par_iter().enumerate().map(fill);
     let found: Vec<Found> = found.collect::<Result<_, Cancelled>>()?;
     let nan = found.iter().map(|found| found.count).sum();
     let first = found.iter().find_map(|found| found.first);
-    let plane = |bits| Plane { lattice, bits, zeros: vec![0; lattice.words] };
+    let plane = |bits| Plane { lattice, bits };
     Ok((bits.into_iter().map(plane).collect(), Found { count: nan, first }))
 }
 

@@ -1,0 +1,96 @@
+//! Words against the corners of single cells.
+
+use super::{BitRows, Word, words_of_rows_at};
+use crate::Level;
+
+/// Each mask by its definition, from the corners of single cells, for all rows and for some.
+fn check(low: &[u64], high: Option<&[u64]>, points: usize) {
+    let bits = BitRows::new(low, high, points);
+    let rows = bits.rows();
+    for level in Level::available() {
+        let mut words = vec![Word::default()];
+        words_of_rows_at(*level, &bits, 0..rows, &mut words);
+        for (y, i) in (0..rows).flat_map(|y| (0..points).map(move |i| (y, i))) {
+            check_cell(&words, [low, high.unwrap_or(low)], [y, rows], [i, points], high.is_some());
+        }
+        assert!(words.is_sorted_by_key(|word| (word.row, word.first)), "in order");
+        let mut some = vec![];
+        words_of_rows_at(*level, &bits, rows / 3..rows - rows / 3, &mut some);
+        words.retain(|word| (rows / 3..rows - rows / 3).contains(&word.row));
+        assert_eq!(some, words, "{level}");
+    }
+}
+
+fn check_cell(
+    words: &[Word],
+    slices: [&[u64]; 2],
+    [y, rows]: [usize; 2],
+    [i, points]: [usize; 2],
+    has_layer: bool,
+) {
+    let per_row = points.div_ceil(64);
+    let word = words.iter().find(|word| word.row == y && word.first == i / 64 * 64);
+    let word = word.copied().unwrap_or_default();
+    let is_cell = i + 1 < points;
+    let inside = |k: usize| {
+        let (i, y) = (i + (k & 1), (y + (k >> 1 & 1)).min(rows - 1));
+        i < points && slices[k >> 2][y * per_row + i / 64] >> (i % 64) & 1 == 1
+    };
+    let bit = |mask: u64| mask >> (i % 64) & 1 == 1;
+    for n in 0..4 {
+        let differ = is_cell && inside(2 * n) != inside(2 * n + 1);
+        // Where nothing else is there to see, of the neighbours' edges nothing is told.
+        assert!(bit(word.cuts[n]) == differ || word == Word::default() && n > 0, "x {n}");
+    }
+    assert_eq!(bit(word.cuts[4]), inside(0) != inside(2), "y of {i}, {y}");
+    assert_eq!(bit(word.cuts[6]), inside(0) != inside(4), "z of {i}, {y}");
+    let case: u32 = (0..8).map(|k| u32::from(inside(k)) << k).sum();
+    let active = is_cell && case != 0 && case != 255 && has_layer && y + 1 < rows;
+    assert_eq!(bit(word.active), active, "active {i}, {y}");
+    if active {
+        assert_eq!(bit(word.cuts[5]), inside(4) != inside(6), "y of {i}, {y}");
+        assert_eq!(bit(word.cuts[7]), inside(2) != inside(6), "z of {i}, {y}");
+        assert_eq!(u32::from(word.case(i as u32 % 64)), case, "case {i}, {y}");
+    }
+}
+
+#[test]
+fn words_agree_with_the_definition_on_every_short_row() {
+    for points in 1..=4 {
+        for bits in 0..1_u64 << (4 * points) {
+            let row = |r: usize| bits >> (r * points) & ((1 << points) - 1);
+            check(&[row(0), row(1)], Some(&[row(2), row(3)]), points);
+        }
+    }
+}
+
+#[test]
+fn words_agree_with_the_definition_across_words_and_rows() {
+    let mut state = 1_u64;
+    let mut chance = || {
+        state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
+        state ^ state >> 29
+    };
+    for points in [3, 63_usize, 64, 65, 127, 128, 129, 190, 300, 512, 513, 600].repeat(8) {
+        let words = points.div_ceil(64);
+        let rows = 1 + chance() as usize % 12;
+        let tail = if points % 64 == 0 { u64::MAX } else { (1 << (points % 64)) - 1 };
+        // Rows that are mostly alike, full or empty, so that blank words occur.
+        let base: Vec<u64> = (0..words).map(|_| [0, u64::MAX][chance() as usize % 2]).collect();
+        let mut slice = || -> Vec<u64> {
+            let mut row = |_| {
+                let odd = chance();
+                let mut row = base.clone();
+                if odd % 3 == 0 {
+                    row[odd as usize / 3 % words] = chance();
+                }
+                row[words - 1] &= tail;
+                row
+            };
+            (0..rows).flat_map(&mut row).collect()
+        };
+        let (low, high) = (slice(), slice());
+        check(&low, Some(&high), points);
+        check(&low, None, points);
+    }
+}

@@ -1,0 +1,223 @@
+//! Eight words in a register, of one row or of several.
+
+use super::{BitRows, WORD, Word};
+use std::{arch::x86_64::*, ops::Range};
+
+/// Eight neighbouring words of rows of cells, or as many as there are.
+#[derive(Clone, Copy)]
+pub(crate) struct Eight {
+    /// The low-x corners of the four rows; behind the last word zeros.
+    low: [__m512i; 4],
+    high: [__m512i; 4],
+    cells: __m512i,
+    /// The crossed cells.
+    pub(crate) active: __m512i,
+    /// The cut edges that a row owns, along x, y, z.
+    pub(crate) owned: [__m512i; 3],
+    /// The words that are not blank.
+    pub(crate) found: u8,
+    /// Row and place in it of the first word, and words in a row.
+    place: [usize; 2],
+    words: usize,
+}
+
+impl Eight {
+    /// Row and place in it of word `n`.
+    #[inline(always)]
+    pub(crate) fn place(&self, n: usize) -> [usize; 2] {
+        let [mut row, mut w] = [self.place[0], self.place[1] + n];
+        while w >= self.words {
+            (row, w) = (row + 1, w - self.words);
+        }
+        [row, w]
+    }
+
+    /// The corners of each word: one register a word.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    pub(crate) fn corners(&self) -> [__m512i; 8] {
+        // What came to the last word of a row from the next row is no corner.
+        let (a, mut b) = (self.low, self.high);
+        for high in &mut b {
+            *high = _mm512_and_si512(*high, self.cells);
+        }
+        transposed([a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]])
+    }
+
+    /// The eight lists of cut edges of each word.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn cuts(&self) -> [__m512i; 8] {
+        let (mut cuts, low) = ([self.cells; 8], self.low);
+        for n in 0..4 {
+            let differ = _mm512_xor_si512(low[n], self.high[n]);
+            cuts[n] = _mm512_and_si512(differ, self.cells);
+        }
+        for n in 0..2 {
+            cuts[4 + n] = _mm512_xor_si512(low[2 * n], low[2 * n + 1]);
+            cuts[6 + n] = _mm512_xor_si512(low[n], low[n + 2]);
+        }
+        transposed(cuts)
+    }
+}
+
+/// Goes through the words of rows, eight at a time, and leaves out what is blank.
+///
+/// Rows lie one behind another, so eight words may be of several rows. Only the words of the last row of
+/// all are taken apart: it has no next row.
+pub(crate) struct Eights<'a> {
+    bits: BitRows<'a>,
+    /// The rows that are left once these words are through.
+    left: Range<usize>,
+    /// Words of some rows, and of those beside and above them.
+    flat: [&'a [u64]; 4],
+    at: usize,
+    /// Row of the word at `at`, and its place in the row.
+    place: [usize; 2],
+    has_cells: bool,
+}
+
+/// Of eight words, of which the first has place `p` in a row of `n` words, which end a row: `[n][p]`, for
+/// rows that are shorter than that.
+const LAST_OF_ROW: [[u8; 8]; 8] = {
+    let mut table = [[0; 8]; 8];
+    let mut i = 0;
+    while i < 512 {
+        let (words, place, n) = (i / 64, i / 8 % 8, i % 8);
+        if words > 0 && (place + n) % words == words - 1 {
+            table[words][place] |= 1 << n;
+        }
+        i += 1;
+    }
+    table
+};
+
+impl<'a> Eights<'a> {
+    pub(crate) fn new(bits: &BitRows<'a>, rows: Range<usize>) -> Self {
+        let place = [rows.start, 0];
+        let flat = [&bits.low[..0]; 4];
+        Self { bits: *bits, left: rows, flat, at: 0, place, has_cells: false }
+    }
+
+    /// The next eight words of which one is not blank.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512vbmi2")]
+    pub(crate) fn next(&mut self) -> Option<Eight> {
+        loop {
+            if self.at >= self.flat[0].len() && !self.take_rows() {
+                return None;
+            }
+            let eight = self.eight();
+            self.at += 8;
+            self.place = eight.place(8);
+            if eight.found != 0 {
+                return Some(eight);
+            }
+        }
+    }
+
+    /// Begins with the rows that are left: all but the last of all, or that one. None if none are.
+    fn take_rows(&mut self) -> bool {
+        let (first, words) = (self.left.start, self.bits.words());
+        let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
+        if self.left.is_empty() {
+            return false;
+        }
+        let own = first * words..end * words;
+        let next = match first + 1 < self.bits.rows() {
+            true => own.start + words..own.end + words,
+            false => own.clone(),
+        };
+        let BitRows { low, high, .. } = self.bits;
+        self.flat = [&low[own.clone()], &low[next.clone()], &high[own], &high[next]];
+        (self.at, self.place) = (0, [first, 0]);
+        self.has_cells = self.bits.has_cells(first);
+        self.left.start = end;
+        true
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512vbmi2")]
+    fn eight(&self) -> Eight {
+        let left = self.flat[0].len() - self.at;
+        let own = if left < 8 { (1_u8 << left) - 1 } else { u8::MAX };
+        let next = if left < 9 { (1_u8 << (left - 1)) - 1 } else { u8::MAX };
+        let zero = _mm512_setzero_si512();
+        let (mut low, mut high) = ([zero; 4], [zero; 4]);
+        let (mut any, mut all) = (zero, _mm512_set1_epi64(-1));
+        for (n, row) in self.flat.into_iter().enumerate() {
+            let row = &row[self.at..];
+            // SAFETY: the masks let through only words of the rows, as many as the first has.
+            let (a, b) = unsafe {
+                (
+                    _mm512_maskz_loadu_epi64(own, row.as_ptr().cast()),
+                    _mm512_maskz_loadu_epi64(next, row.as_ptr().wrapping_add(1).cast()),
+                )
+            };
+            (low[n], high[n]) = (a, _mm512_shrdi_epi64::<1>(a, b));
+            any = _mm512_or_si512(any, _mm512_or_si512(a, high[n]));
+            all = _mm512_and_si512(all, _mm512_and_si512(a, high[n]));
+        }
+        let words = self.bits.words();
+        let last_of_row = match words < 8 {
+            true => LAST_OF_ROW[words][self.place[1]],
+            false => (1_u64 << (words - 1 - self.place[1]).min(63)) as u8,
+        };
+        let last = self.bits.cells(words - 1) as i64;
+        let cells = _mm512_mask_set1_epi64(_mm512_set1_epi64(-1), last_of_row, last);
+        let crossed = _mm512_and_si512(_mm512_andnot_si512(all, any), cells);
+        let active = if self.has_cells { crossed } else { zero };
+        let x = _mm512_and_si512(_mm512_xor_si512(low[0], high[0]), cells);
+        let owned = [x, _mm512_xor_si512(low[0], low[1]), _mm512_xor_si512(low[0], low[2])];
+        let some = _mm512_or_si512(_mm512_or_si512(active, x), _mm512_or_si512(owned[1], owned[2]));
+        let found = _mm512_test_epi64_mask(some, some);
+        Eight { low, high, cells, active, owned, found, place: self.place, words }
+    }
+}
+
+/// Register `n` of what comes out holds number `n` of each register.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn transposed(rows: [__m512i; 8]) -> [__m512i; 8] {
+    let mut pairs = rows;
+    for n in 0..4 {
+        pairs[2 * n] = _mm512_unpacklo_epi64(rows[2 * n], rows[2 * n + 1]);
+        pairs[2 * n + 1] = _mm512_unpackhi_epi64(rows[2 * n], rows[2 * n + 1]);
+    }
+    let mut columns = rows;
+    for odd in 0..2 {
+        let [a, b, c, d] = [pairs[odd], pairs[2 + odd], pairs[4 + odd], pairs[6 + odd]];
+        let (ab, cd) = (_mm512_shuffle_i64x2::<0x88>(a, b), _mm512_shuffle_i64x2::<0x88>(c, d));
+        columns[odd] = _mm512_shuffle_i64x2::<0x88>(ab, cd);
+        columns[4 + odd] = _mm512_shuffle_i64x2::<0xDD>(ab, cd);
+        let (ab, cd) = (_mm512_shuffle_i64x2::<0xDD>(a, b), _mm512_shuffle_i64x2::<0xDD>(c, d));
+        columns[2 + odd] = _mm512_shuffle_i64x2::<0x88>(ab, cd);
+        columns[6 + odd] = _mm512_shuffle_i64x2::<0xDD>(ab, cd);
+    }
+    columns
+}
+
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(crate) fn words(register: __m512i) -> [u64; 8] {
+    let mut words = [0; 8];
+    // SAFETY: eight words are one register; the store needs no alignment.
+    unsafe { _mm512_storeu_epi64(words.as_mut_ptr().cast(), register) };
+    words
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+pub(super) fn words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
+    let mut eights = Eights::new(bits, rows);
+    while let Some(eight) = eights.next() {
+        let (corners, cuts, active) = (eight.corners(), eight.cuts(), words(eight.active));
+        let mut found = eight.found;
+        while found != 0 {
+            let n = found.trailing_zeros() as usize;
+            found &= found - 1;
+            let [row, w] = eight.place(n);
+            let (corners, cuts) = (words(corners[n]), words(cuts[n]));
+            out.push(Word { corners, cuts, active: active[n], row, first: WORD * w });
+        }
+    }
+}
