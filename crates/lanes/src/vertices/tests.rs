@@ -1,6 +1,6 @@
 //! Every level against one edge at a time, and against what is plain to see.
 
-use super::{Edges, Field, TAME, Vertices, vertices_at};
+use super::{BLOCK, Edges, Field, TAME, Vertices, vertices_at};
 use crate::{Lane, Level, Samples, Word, word::OWN};
 
 const FIELD: Field = Field {
@@ -192,9 +192,9 @@ fn edges_come_row_by_row_axis_by_axis_in_the_order_of_their_bits() {
         let mut word = |n: usize| {
             let cuts =
                 std::array::from_fn(|_| (0..density).fold(u64::MAX, |w, _| w & chance.next()));
-            Word { cuts, row: n / 10, first: 64 * (n % 10), ..Word::default() }
+            Word { cuts, row: n / 4, first: 64 * (n % 4), ..Word::default() }
         };
-        let words: Vec<Word> = (0..60).map(&mut word).collect();
+        let words: Vec<Word> = (0..BLOCK).map(&mut word).collect();
         for (&level, axes) in Level::available()
             .iter()
             .flat_map(|l| [&[0_usize, 1][..], &[2], &[1], &[]].map(|axes| (l, axes)))
@@ -202,9 +202,11 @@ fn edges_come_row_by_row_axis_by_axis_in_the_order_of_their_bits() {
             let mut edges = Edges::default();
             edges.begin(7);
             let mut expected = vec![];
-            for (row, axis) in (0..6).flat_map(|row| axes.iter().map(move |&axis| (row, axis))) {
-                for i in 0..640 {
-                    if words[10 * row + i / 64].owned()[axis] >> (i % 64) & 1 == 1 {
+            for (row, axis) in
+                (0..BLOCK / 4).flat_map(|row| axes.iter().map(move |&axis| (row, axis)))
+            {
+                for i in 0..256 {
+                    if words[4 * row + i / 64].owned()[axis] >> (i % 64) & 1 == 1 {
                         expected.push((axis, [(i as u32).wrapping_sub(1), 5 + row as u32, 7]));
                     }
                 }
