@@ -105,6 +105,9 @@ impl<T: Sample> Fill<'_, T> {
         triangles: &mut &mut [[u32; 3]],
         words: &mut Vec<Word>,
     ) {
+        if self.layout.slices[z] == self.layout.slices[z + 1] {
+            return;
+        }
         let [_, ny, nz] = self.planes.lattice.points;
         let first = self.layout.row(self.planes.lattice, 0, z);
         let end = self.layout.slices[z + 1].vertices as u32;

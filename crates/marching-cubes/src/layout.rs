@@ -70,9 +70,11 @@ impl Layout {
             let Counts { vertices, triangles } = whole;
             return Err(ExtractError::TooLarge { vertices, triangles });
         }
-        let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(&slices);
-        // No number exceeds the total, which fits.
-        slices_of_rows.for_each(|(slice, first)| number_rows(slice, first.vertices as u32));
+        let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(slices.par_windows(2));
+        // No triangle names an edge of a slice without. No number exceeds the total, which fits.
+        slices_of_rows.filter(|(_, ends)| ends[0] != ends[1]).for_each(|(slice, ends)| {
+            number_rows(slice, ends[0].vertices as u32);
+        });
         Ok(Self { rows, slices, live })
     }
 
@@ -117,7 +119,11 @@ fn words(planes: &Planes, live: Option<&LiveCells>, [y, z]: [usize; 2], out: &mu
     let [nx, ny, nz] = planes.lattice.points;
     let (next_y, next_z) = ((y + 1).min(ny - 1), (z + 1).min(nz - 1));
     let rows = [(y, z), (next_y, z), (y, next_z), (next_y, next_z)];
-    words_of_row(rows.map(|(y, z)| planes.inside.row(y, z)), nx, out);
+    let bits = rows.map(|(y, z)| planes.inside.row(y, z));
+    match &planes.visits {
+        Some(visits) => visits.words_of_row([y, z], bits, out),
+        None => words_of_row(bits, nx, out),
+    }
     if let Some(live) = live {
         out.iter_mut().for_each(|word| live.restrict(word, [y, z]));
     }
@@ -134,6 +140,9 @@ fn count_slice(
     scratch: &mut Vec<Word>,
 ) -> Counts {
     let mut counts = Counts::default();
+    if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
+        return counts;
+    }
     for (y, row) in slice.iter_mut().enumerate() {
         words(planes, live, [y, z], scratch);
         let found = count(scratch, &CASES.counts);

@@ -1,10 +1,10 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Lattice, Plane, Planes};
-use crate::{ExtractError, Nan};
+use super::{Lattice, Plane, Planes, chosen::chosen};
+use crate::{ExtractError, Nan, Skipped, Source, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{Threshold, Thresholds, nans, signs_of_many, words};
-use isokit_volume::{Sample, View};
+use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -16,30 +16,53 @@ struct Found {
 }
 
 impl Planes {
-    /// Compares every sample with every isovalue.
+    /// Compares samples with every isovalue: all samples, or those of which bricks do not tell.
     pub(crate) fn classify<T: Sample, E: Send>(
-        view: &View<'_, T>,
+        Source { view, bricks }: &Source<'_, T>,
         lattice: Lattice,
         isos: &[f64],
         nan: Nan,
         job: &Job,
-    ) -> Result<Vec<Self>, ExtractError<E>> {
-        let missing = missing(view, lattice, nan, job)?;
+    ) -> Result<(Vec<Self>, Skipped), ExtractError<E>> {
+        let all = view.dims().iter().map(|&n| n as u64).product();
+        let mut skipped = Skipped::default();
+        let may_be_nan = !T::DTYPE.is_integer() && bricks.is_none_or(Bricks::has_nan);
+        let missing = match may_be_nan && nan != Nan::Outside {
+            true => missing(view, lattice, nan, job)?,
+            false => None,
+        };
         let thresholds: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
         let reached = |threshold: &&Threshold<T>| !matches!(threshold, Threshold::Never);
         let asked: Vec<_> = thresholds.iter().filter(reached).copied().collect();
-        let mut inside = match Thresholds::new(&asked) {
-            Some(asked) => {
+        let (mut inside, mut visits) = (vec![], vec![]);
+        match (Thresholds::new(&asked), bricks) {
+            (Some(each), None) => {
                 let test = |row: &[T], _, out: &mut [u64]| {
-                    signs_of_many(row, &asked, out);
+                    signs_of_many(row, &each, out);
                     Found::default()
                 };
-                planes(view, lattice, asked.count(), test, job)?.0
+                inside = planes(view, lattice, each.count(), test, job)?.0;
+                skipped.samples_read = all;
+            }
+            (Some(each), Some(bricks)) => {
+                let sides: Vec<_> = asked.iter().map(|&one| bricks.sides(one)).collect();
+                let choice = Choice::new(*bricks.grid(), &sides, lattice);
+                let samples_read;
+                (inside, samples_read) = chosen(view, lattice, &each, &choice, job)?;
+                skipped = Skipped { samples_read, ..choice.skipped };
+                visits = choice.visits;
             }
             // Nothing is inside, whatever the samples are: not one is read.
-            None => vec![],
+            (None, Some(bricks)) => {
+                let bricks = bricks.extents().len() as u64;
+                skipped = Skipped { bricks, bricks_skipped: bricks, samples_read: 0 };
+            }
+            (None, None) => {}
         }
-        .into_iter();
+        if may_be_nan && nan != Nan::Outside {
+            skipped = Skipped { bricks_skipped: 0, samples_read: all, ..skipped };
+        }
+        let (mut inside, mut visits) = (inside.into_iter(), visits.into_iter());
         let of = |threshold| Self {
             lattice,
             inside: match threshold {
@@ -47,21 +70,22 @@ impl Planes {
                 _ => inside.next().expect("a plane for each that is asked"),
             },
             missing: missing.clone(),
+            visits: match threshold {
+                Threshold::Never => None,
+                _ => visits.next(),
+            },
         };
-        Ok(thresholds.into_iter().map(of).collect())
+        Ok((thresholds.into_iter().map(of).collect(), skipped))
     }
 }
 
-/// Which samples are NaN, where the policy asks and some are.
+/// Which samples are NaN, where some are.
 fn missing<T: Sample, E: Send>(
     view: &View<'_, T>,
     lattice: Lattice,
     nan: Nan,
     job: &Job,
 ) -> Result<Option<Arc<Plane>>, ExtractError<E>> {
-    if nan == Nan::Outside || T::DTYPE.is_integer() {
-        return Ok(None);
-    }
     let test = |row: &[T], [j, k]: [usize; 2], out: &mut [u64]| {
         nans(row, out);
         let count = out.iter().map(|word| u64::from(word.count_ones())).sum();
@@ -87,10 +111,7 @@ fn planes<T: Sample, E>(
     job: &Job,
 ) -> Result<(Vec<Plane>, Found), ExtractError<E>> {
     let [nx, ny, nz] = view.dims();
-    let rows = (ny as u64).checked_mul(nz as u64);
-    let size = rows.and_then(|rows| rows.checked_mul(lattice.words as u64));
-    let plane = |_| job.limits.zeroed("sign plane", size);
-    let mut bits = (0..count).map(plane).collect::<Result<Vec<Vec<u64>>, OverLimit>>()?;
+    let mut bits = zeros(view, lattice, count, job)?;
     let fill = |(k, mut slices): (usize, Vec<&mut [u64]>)| {
         job.check()?;
         let (mut found, mut scratch) = (Found::default(), vec![]);
@@ -122,12 +143,29 @@ fn planes<T: Sample, E>(
     let found: Vec<Found> = found.collect::<Result<_, Cancelled>>()?;
     let nan = found.iter().map(|found| found.count).sum();
     let first = found.iter().find_map(|found| found.first);
+    Ok((of_bits(lattice, bits), Found { count: nan, first }))
+}
+
+/// Fresh memory for the bits of so many planes.
+pub(super) fn zeros<T: Sample>(
+    view: &View<'_, T>,
+    lattice: Lattice,
+    count: usize,
+    job: &Job,
+) -> Result<Vec<Vec<u64>>, OverLimit> {
+    let [_, ny, nz] = view.dims();
+    let rows = (ny as u64).checked_mul(nz as u64);
+    let size = rows.and_then(|rows| rows.checked_mul(lattice.words as u64));
+    (0..count).map(|_| job.limits.zeroed("sign plane", size)).collect()
+}
+
+pub(super) fn of_bits(lattice: Lattice, bits: Vec<Vec<u64>>) -> Vec<Plane> {
     let plane = |bits| Plane { lattice, bits, zeros: vec![0; lattice.words] };
-    Ok((bits.into_iter().map(plane).collect(), Found { count: nan, first }))
+    bits.into_iter().map(plane).collect()
 }
 
 /// The slices of all planes: for each z, that of every plane.
-fn slices(planes: &mut [Vec<u64>], slice: usize, count: usize) -> Vec<Vec<&mut [u64]>> {
+pub(super) fn slices(planes: &mut [Vec<u64>], slice: usize, count: usize) -> Vec<Vec<&mut [u64]>> {
     let mut planes: Vec<_> = planes.iter_mut().map(|bits| bits.chunks_exact_mut(slice)).collect();
     let next = |_| planes.iter_mut().filter_map(Iterator::next).collect();
     (0..count).map(next).collect()
