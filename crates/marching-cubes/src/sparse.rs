@@ -87,8 +87,8 @@ impl Runs {
         &self.runs[self.starts[row]..self.starts[row + 1]]
     }
 
-    /// Whether no brick of slice `k` has one.
-    fn skips_slice(&self, k: usize) -> bool {
+    /// Whether no brick in which slice `k` begins has one.
+    pub(crate) fn skips_slice(&self, k: usize) -> bool {
         let rows = self.grid.counts()[1];
         let first = self.grid.brick_of(2, k) * rows;
         self.starts[first] == self.starts[first + rows]
@@ -111,18 +111,29 @@ impl Visits {
     /// The words of a row of the lattice that have a crossed cell or a cut edge, into `out`; `rows` are
     /// the four rows around its cells.
     pub(crate) fn words_of_row(&self, [y, z]: [usize; 2], rows: [&[u64]; 4], out: &mut Vec<Word>) {
-        out.clear();
         let Lattice { points, guard, words } = self.lattice;
-        let mut found = vec![];
-        for run in self.runs.of_row(y.saturating_sub(guard), z.saturating_sub(guard)) {
+        let words_of_run = |run: &Range<usize>, out: &mut Vec<Word>| {
             // One bit of the word behind the run ends its last cell.
             let (end, points) = match run.end < words {
                 true => (run.end + 1, 64 * run.len() + 1),
                 false => (words, points[0] - 64 * run.start),
             };
-            words_of_row(rows.map(|row| &row[run.start..end]), points, &mut found);
-            let own = found.drain(..).filter(|word| word.first < 64 * run.len());
-            out.extend(own.map(|word| Word { first: word.first + 64 * run.start, ..word }));
+            words_of_row(rows.map(|row| &row[run.start..end]), points, out);
+            if out.last().is_some_and(|word| word.first == 64 * run.len()) {
+                out.pop();
+            }
+            out.iter_mut().for_each(|word| word.first += 64 * run.start);
+        };
+        match self.runs.of_row(y.saturating_sub(guard), z.saturating_sub(guard)) {
+            [] => out.clear(),
+            [first, others @ ..] => {
+                words_of_run(first, out);
+                let mut found = vec![];
+                for run in others {
+                    words_of_run(run, &mut found);
+                    out.append(&mut found);
+                }
+            }
         }
     }
 }

@@ -24,7 +24,8 @@ pub(super) fn chosen<T: Sample, E>(
     let fill = |(k, mut slices): (usize, Vec<&mut [u64]>)| {
         job.check()?;
         let (mut read, mut scratch, mut found) = (0, vec![], vec![]);
-        for j in 0..ny {
+        let is_blank = [&choice.compared].into_iter().chain(&choice.full).all(|r| r.skips_slice(k));
+        for j in 0..if is_blank { 0 } else { ny } {
             let own = j * lattice.words..(j + 1) * lattice.words;
             for run in choice.compared.of_row(j, k) {
                 let row = view.row(j, k).part(run.start * WORD..nx.min(run.end * WORD));
