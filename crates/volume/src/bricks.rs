@@ -7,9 +7,11 @@
 //! There is no tree: one brick stands for 4096 cells, so even a large volume has few enough to look at one
 //! by one.
 
+mod any;
 mod build;
 mod query;
 
+pub use any::AnyBricks;
 pub use query::Sides;
 
 use crate::Sample;
