@@ -27,6 +27,7 @@ ROWS = {
     "threads": bench_rows.threads,
     "classify": bench_limits.classify,
     "many": bench_limits.many,
+    "index": bench_limits.index,
     "bound": bench_limits.bound,
     "memory": bench_limits.memory,
     "command": bench_rows.command,

@@ -14,6 +14,7 @@ pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{VolumeFacts, VolumeReport};
 
+use isokit::marching_cubes::Skipped;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -28,7 +29,7 @@ pub(crate) struct ExtractReport<'a> {
     pub(crate) warnings: &'a [String],
     /// Vertices that a reader will take for one, because the format rounds their places to the same.
     pub(crate) merged_vertices: u64,
-    pub(crate) skipped: Skipped,
+    pub(crate) skipped: SkippedReport,
     pub(crate) timings_s: Timings,
     pub(crate) threads: usize,
     pub(crate) simd: &'static str,
@@ -42,10 +43,19 @@ impl ExtractReport<'_> {
 
 /// What was not computed because no output needs it.
 #[derive(Debug, Serialize)]
-pub(crate) struct Skipped {
-    pub(crate) bricks: u64,
-    pub(crate) bricks_skipped: u64,
-    pub(crate) samples_read: u64,
+pub(crate) struct SkippedReport {
+    /// With an index, bricks of the volume.
+    bricks: u64,
+    /// Those of which no sample was compared.
+    bricks_skipped: u64,
+    /// With an index, samples that were compared; without, all.
+    samples_read: u64,
+}
+
+impl From<Skipped> for SkippedReport {
+    fn from(Skipped { bricks, bricks_skipped, samples_read }: Skipped) -> Self {
+        Self { bricks, bricks_skipped, samples_read }
+    }
 }
 
 /// The object as text.

@@ -3,6 +3,8 @@
 Standard library only.
 """
 
+from statistics import linear_regression
+
 from kit.bench_measure import Bench, Entry, Series, extract, milliseconds
 from kit.bench_volumes import Store, Volume
 
@@ -79,6 +81,48 @@ def many(bench: Bench, store: Store) -> None:
                     must=2.0,
                     aim=1.3,
                 )
+
+
+def index(bench: Bench, store: Store) -> None:
+    """The index: made in one pass; and then, a surface in time that follows its share of bricks."""
+    n = 128 if bench.quick else 512
+    volume = store.sphere(n)
+    with bench.workers():
+        for threads in THREADS:
+            requests = [{"op": op, "threads": threads} for op in ("index", "read")]
+            ours, read = bench.run([Entry("isokit", volume, request) for request in requests])
+            bench.compare(
+                ours,
+                read,
+                row="index",
+                work=f"{volume.name} f32, {threads} thread{'s' * (threads > 1)}, "
+                "making the index vs a pure read",
+                at_least=False,
+            )
+        pairs = []
+        for radius in (0.01, 0.05, 0.1, 0.2, 0.3, 0.4):
+            request = extract(volume, warm=True) | {"iso": (0.4 - radius) * n}
+            entries = [
+                Entry("isokit", volume, request | known, warm=True)
+                for known in ({"index": True}, {})
+            ]
+            ours, without = bench.run(entries)
+            if ours and without:
+                pairs.append((ours, without))
+    if len(pairs) < 2:
+        return
+    shares = [100 * ours.answers[-1]["active"] for ours, _ in pairs]
+    slope, start = linear_regression(shares, [1e3 * ours.median for ours, _ in pairs])
+    for share, (ours, without) in zip(shares, pairs, strict=True):
+        bench.compare(
+            ours,
+            without,
+            row="index",
+            work=f"{volume.name} f32, through {share:.1f} % of the bricks, normals, warm, "
+            "1 thread, with the index vs without",
+            at_least=True,
+            remark=f"nearest line: {start:.2f} ms + {slope:.2f} ms per %",
+        )
 
 
 def bound(bench: Bench, store: Store) -> None:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from statistics import linear_regression
 
 import matplotlib as mpl
 
@@ -18,6 +19,7 @@ SECTIONS = {
     "threads": "Two threads",
     "classify": "Classification",
     "many": "Several isovalues in one call",
+    "index": "With an index",
     "bound": "Against the bound",
     "memory": "Memory",
     "growth": "Growth",
@@ -49,6 +51,7 @@ def write(bench: Bench, facts: dict, folder: Path, warning: str) -> None:
     plot_ratios(bench.results, folder / "ratios.png")
     plot_peers(bench, folder)
     plot_growth(bench, folder / "growth.png")
+    plot_index(bench, folder / "index.png")
 
 
 def data(bench: Bench, facts: dict, warning: str) -> str:
@@ -214,6 +217,45 @@ def growth_request(series: Series) -> dict:
     """The request as the row of growth makes it."""
     plain = {"op": "extract", "threads": 1, "normals": True, "warm": True}
     return plain | {"iso": series.request.get("iso")}
+
+
+def plot_index(bench: Bench, path: Path) -> None:
+    """Time by the share of bricks that the surface goes through, with the line nearest to it."""
+    known = [series for series in bench.series if "index" in series.request]
+    if len(known) < 2:
+        return
+    figure, axes = plt.subplots(figsize=(7, 4))
+    shares = [100 * series.answers[-1]["active"] for series in known]
+    spread = [[1e3 * one for one in quartiles(series.seconds)] for series in known]
+    middles = [middle for _, middle, _ in spread]
+    axes.plot(shares, middles, "o", color="#2a7f62", label="with the index")
+    for share, (low, _, high) in zip(shares, spread, strict=True):
+        axes.plot([share, share], [low, high], color="black", linewidth=1.2)
+    slope, start = linear_regression(shares, middles)
+    ends = [0, max(shares)]
+    axes.plot(
+        ends,
+        [start + slope * end for end in ends],
+        color="#2a7f62",
+        linewidth=1,
+        label=f"{start:.2f} ms + {slope:.2f} ms per %",
+    )
+    without = [
+        1e3 * other.median
+        for series in known
+        for other in bench.series
+        if other.volume == series.volume
+        and series.request == other.request | {"index": True}
+        and "index" not in other.request
+    ]
+    if len(without) == len(shares):
+        axes.plot(shares, without, "o", color="#9aa5b1", label="without")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel(f"% of the bricks that the surface goes through ({known[0].volume}³ f32)")
+    axes.set_ylabel("ms, normals, warm, 1 thread")
+    axes.legend()
+    save(figure, path)
 
 
 def save(figure: plt.Figure, path: Path) -> None:

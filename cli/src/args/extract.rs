@@ -59,6 +59,10 @@ pub(crate) struct ExtractArgs {
     /// Axes of the world to write coordinates in
     #[arg(long, value_enum, default_value_t, help_heading = "Part and place")]
     pub(crate) space: SpaceArg,
+    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Made
+    /// when it is first asked for or the volume has changed; the mesh does not depend on it
+    #[arg(long, conflicts_with_all = ["roi", "roi_mm"], help_heading = "Speed")]
+    pub(crate) index: bool,
     /// Write a report as JSON, to a file or to - for stdout
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,

@@ -5,16 +5,17 @@ use crate::{
     Exit, Session,
     plan::{ExtractPlan, LevelPlan, Repeat, Stream},
     report::{
-        ExtractReport, MeshCounts, Skipped, SurfaceReport, Timings, VolumeFacts, median,
-        peak_rss_bytes, simd, timed, to_json,
+        ExtractReport, MeshCounts, SurfaceReport, Timings, VolumeFacts, median, peak_rss_bytes,
+        simd, timed, to_json,
     },
     text::counted,
 };
 use anyhow::{Context, Result};
 use isokit::{
     io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
+    marching_cubes::Skipped,
     mesh::{Surface, TriMesh, topology},
-    pipeline::{IsoChoice, Scan},
+    pipeline::{Index, IsoChoice, Scan},
 };
 use std::{io::Write, time::Instant};
 
@@ -36,12 +37,15 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), Timings::default());
-    let scan = timed(&mut timings.read, || {
+    let mut scan = timed(&mut timings.read, || {
         Scan::open(&plan.input, &plan.volume, plan.space, &plan.region, &session.job)
     })?;
     scan.notes().iter().for_each(|note| session.console.note(note));
+    if plan.index {
+        index(&mut scan, &mut timings, session)?;
+    }
     let isos = isos(plan, &scan, session)?;
-    let meshes = meshes(plan, &scan, &isos, &mut timings, session)?;
+    let (meshes, skipped) = meshes(plan, &scan, &isos, &mut timings, session)?;
     let surfaces = surfaces(&plan.levels, &isos, meshes);
     for surface in &surfaces {
         tell(plan, &scan, surface, session)?;
@@ -52,14 +56,26 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     for file in &written.files {
         session.console.info(&format!("wrote {}", file.display()));
     }
-    let Timings { read, extract, write, total, .. } = timings;
+    let Timings { read, index, extract, write, total, .. } = timings;
     session.console.detail(&format!(
-        "read {read:.3} s, extract {extract:.3} s, write {write:.3} s, total {total:.3} s"
+        "read {read:.3} s, index {index:.3} s, extract {extract:.3} s, write {write:.3} s, \
+         total {total:.3} s"
     ));
     if plan.report.is_none() && !session.console.is_verbose() {
         return Ok(String::new());
     }
-    report(plan, &scan, &surfaces, &written, timings, session)
+    report(plan, &scan, &surfaces, &written, (skipped, timings), session)
+}
+
+/// Gets the index and says where it is, if that is new.
+fn index(scan: &mut Scan, timings: &mut Timings, session: &Session<'_, '_>) -> Result<()> {
+    let found = timed(&mut timings.index, || scan.index(&session.job))?;
+    match found {
+        Index::Read(_) => session.console.detail(&found.to_string()),
+        Index::Made { .. } => session.console.note(&found.to_string()),
+        _ => session.console.warn(&found.to_string()),
+    }
+    Ok(())
 }
 
 /// The isovalues that were meant. What was chosen for the user is told.
@@ -74,14 +90,14 @@ fn isos(plan: &ExtractPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<Ve
     plan.levels.iter().map(iso).collect()
 }
 
-/// A mesh for each isovalue, made as often as was asked for.
+/// A mesh for each isovalue, made as often as was asked for, and what was skipped each time.
 fn meshes(
     plan: &ExtractPlan,
     scan: &Scan,
     isos: &[f64],
     timings: &mut Timings,
     session: &Session<'_, '_>,
-) -> Result<Vec<TriMesh>> {
+) -> Result<(Vec<TriMesh>, Skipped)> {
     let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &plan.surface, meshes, &session.job);
     let fresh = || vec![TriMesh::default(); isos.len()];
     let (runs, is_warm) = match plan.repeat {
@@ -89,7 +105,7 @@ fn meshes(
         Repeat::Cold(runs) => (runs.get(), false),
         Repeat::Warm(runs) => (runs.get(), true),
     };
-    let (mut meshes, mut all) = (fresh(), vec![]);
+    let (mut meshes, mut all, mut skipped) = (fresh(), vec![], Skipped::default());
     if is_warm {
         make(&mut meshes)?;
     }
@@ -98,12 +114,15 @@ fn meshes(
             meshes = fresh(); // what the last run took goes back before the clock starts
         }
         let mut seconds = 0.0;
-        timed(&mut seconds, || make(&mut meshes))?;
+        skipped = timed(&mut seconds, || make(&mut meshes))?;
         all.push(seconds);
     }
     timings.extract = median(&all);
     timings.extract_all = (plan.repeat != Repeat::Once).then_some(all);
-    Ok(meshes)
+    if !plan.index {
+        skipped.samples_read = scan.volume().grid().count();
+    }
+    Ok((meshes, skipped))
 }
 
 /// The meshes with what files say of them.
@@ -154,7 +173,7 @@ fn report(
     scan: &Scan,
     surfaces: &[Surface],
     written: &Written,
-    timings_s: Timings,
+    (skipped, timings_s): (Skipped, Timings),
     session: &Session<'_, '_>,
 ) -> Result<String> {
     let peak_rss_bytes = peak_rss_bytes(); // of the work, not of the report
@@ -173,11 +192,7 @@ fn report(
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,
-        skipped: Skipped {
-            bricks: 0,
-            bricks_skipped: 0,
-            samples_read: scan.volume().grid().count(),
-        },
+        skipped: skipped.into(),
         timings_s,
         threads: session.job.threads.count(),
         simd: simd(),

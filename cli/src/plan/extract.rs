@@ -24,6 +24,7 @@ pub(crate) struct ExtractPlan {
     pub(crate) levels: Vec<LevelPlan>,
     pub(crate) surface: SurfaceOptions,
     pub(crate) target: MeshTarget,
+    pub(crate) index: bool,
     pub(crate) report: Option<TextTarget>,
     pub(crate) repeat: Repeat,
 }
@@ -76,6 +77,7 @@ impl ExtractPlan {
             levels: levels(args.iso),
             surface,
             target,
+            index: args.index,
             report,
             repeat,
         })

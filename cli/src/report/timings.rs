@@ -8,7 +8,7 @@ use std::time::Instant;
 pub(crate) struct Timings {
     /// From the file to samples in memory.
     pub(crate) read: f64,
-    /// Preparing an index of the volume; there is none yet.
+    /// Reading the index of the volume, or making and keeping it.
     pub(crate) index: f64,
     /// From the volume in memory to indexed meshes with normals in memory, allocation included; of
     /// several runs the median.

@@ -16,6 +16,7 @@
 //! One layer of gzip or bzip2 around any of them is taken off. Samples of 64-bit integers, half
 //! floats, complex numbers, colours and other vectors are refused by name.
 
+mod bricks;
 mod files;
 mod metaimage;
 mod nifti;
@@ -28,6 +29,7 @@ mod slices;
 mod stored;
 mod write;
 
+pub use bricks::{BrickFile, NoBricks};
 pub use open::{VolumeFile, open_volume, read_volume};
 pub use slices::FileSlices;
 pub use write::write_volume;

@@ -5,13 +5,15 @@
 //! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
 //! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
-//! | extract | [`Scan::mesh`], with normals |
+//! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
+//! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
 //! what a user should know comes back as a value ([`Scan::notes`], [`Remark`]).
 
 mod error;
+mod index;
 mod iso;
 mod region;
 mod remark;
@@ -20,6 +22,7 @@ mod surface;
 mod target;
 
 pub use error::PipelineError;
+pub use index::Index;
 pub use iso::{IsoChoice, ParseIsoError};
 pub use region::{ParseRegionError, Region, RegionError, Span};
 pub use remark::Remark;

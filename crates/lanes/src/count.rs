@@ -58,6 +58,27 @@ fn count_rows_at(
     }
 }
 
+/// Counts words that were picked out before, each into the place of its row in `out`.
+///
+/// # Panics
+///
+/// If a word's row has no place.
+pub fn count_words(words: &[Word], triangles: &[u8; 256], out: &mut [RowCounts]) {
+    count_words_at(Level::current(), words, triangles, out);
+}
+
+fn count_words_at(level: Level, words: &[Word], triangles: &[u8; 256], out: &mut [RowCounts]) {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => {
+            level.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            unsafe { wide::count_words_avx512(words, triangles, out) }
+        }
+        _ => words.iter().for_each(|word| out[word.row].add(word, triangles)),
+    }
+}
+
 #[inline(always)]
 fn count_rows_plain(
     bits: &BitRows<'_>,
@@ -70,9 +91,8 @@ fn count_rows_plain(
 }
 
 impl RowCounts {
-    /// Adds what a word makes; `triangles` has the number of triangles of each case.
     #[inline(always)]
-    pub fn add(&mut self, word: &Word, triangles: &[u8; 256]) {
+    fn add(&mut self, word: &Word, triangles: &[u8; 256]) {
         let [x, y, z] = word.owned();
         self.x += x.count_ones();
         self.y += y.count_ones();
@@ -88,7 +108,7 @@ impl RowCounts {
 
 #[cfg(target_arch = "x86_64")]
 mod wide {
-    use super::{BitRows, RowCounts, count_rows_plain};
+    use super::{BitRows, RowCounts, Word, count_rows_plain};
     use crate::word::wide::{Eights, words};
     use std::{arch::x86_64::*, ops::Range};
 
@@ -112,10 +132,7 @@ mod wide {
         triangles: &[u8; 256],
         out: &mut [RowCounts],
     ) {
-        let (table, _) = triangles.as_chunks::<64>();
-        // SAFETY: each of the four chunks is 64 bytes; the load needs no alignment.
-        let part = |n: usize| unsafe { _mm512_loadu_epi8(table[n].as_ptr().cast()) };
-        let table = [part(0), part(1), part(2), part(3)];
+        let table = registers(triangles);
         let first = rows.start;
         let mut eights = Eights::new(bits, rows);
         while let Some(eight) = eights.next() {
@@ -129,20 +146,52 @@ mod wide {
             while found != 0 {
                 let n = found.trailing_zeros() as usize;
                 found &= found - 1;
-                let cases = cases(corners[n]);
-                // The lower half of the table for cases below 128, the upper for the others.
-                let low = _mm512_permutex2var_epi8(table[0], cases, table[1]);
-                let high = _mm512_permutex2var_epi8(table[2], cases, table[3]);
-                let all = _mm512_mask_blend_epi8(_mm512_movepi8_mask(cases), low, high);
-                let own = _mm512_maskz_mov_epi8(active[n], all);
-                let sums = _mm512_sad_epu8(own, _mm512_setzero_si512());
                 let counts = &mut out[eight.place(n)[0] - first];
                 counts.x += x[n] as u32;
                 counts.y += y[n] as u32;
                 counts.z += z[n] as u32;
-                counts.triangles += _mm512_reduce_add_epi64(sums) as u32;
+                counts.triangles += triangles_of(corners[n], active[n], table);
             }
         }
+    }
+
+    #[target_feature(
+        enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,gfni"
+    )]
+    pub(super) fn count_words_avx512(words: &[Word], triangles: &[u8; 256], out: &mut [RowCounts]) {
+        let table = registers(triangles);
+        for word in words {
+            let [x, y, z] = word.owned();
+            // SAFETY: eight words fill one register; the load needs no alignment.
+            let corners = unsafe { _mm512_loadu_epi64(word.corners.as_ptr().cast()) };
+            let counts = &mut out[word.row];
+            counts.x += x.count_ones();
+            counts.y += y.count_ones();
+            counts.z += z.count_ones();
+            counts.triangles += triangles_of(corners, word.active, table);
+        }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw")]
+    fn registers(triangles: &[u8; 256]) -> [__m512i; 4] {
+        let (table, _) = triangles.as_chunks::<64>();
+        // SAFETY: each of the four chunks is 64 bytes; the load needs no alignment.
+        let part = |n: usize| unsafe { _mm512_loadu_epi8(table[n].as_ptr().cast()) };
+        [part(0), part(1), part(2), part(3)]
+    }
+
+    /// The triangles of the cells of a word that are crossed.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vbmi,gfni")]
+    fn triangles_of(corners: __m512i, active: u64, table: [__m512i; 4]) -> u32 {
+        let cases = cases(corners);
+        // The lower half of the table for cases below 128, the upper for the others.
+        let low = _mm512_permutex2var_epi8(table[0], cases, table[1]);
+        let high = _mm512_permutex2var_epi8(table[2], cases, table[3]);
+        let all = _mm512_mask_blend_epi8(_mm512_movepi8_mask(cases), low, high);
+        let sums = _mm512_sad_epu8(_mm512_maskz_mov_epi8(active, all), _mm512_setzero_si512());
+        _mm512_reduce_add_epi64(sums) as u32
     }
 
     /// The cases of 64 cells, a byte each, from their corners, a word each.
@@ -173,7 +222,7 @@ mod wide {
 
 #[cfg(test)]
 mod tests {
-    use super::{RowCounts, count_rows_at};
+    use super::{RowCounts, count_rows_at, count_words_at};
     use crate::{BitRows, Level, Word, words_of_rows};
 
     #[test]
@@ -209,6 +258,9 @@ mod tests {
                     let mut found = vec![RowCounts { x: 7, ..RowCounts::default() }; own.len()];
                     count_rows_at(level, &bits, own.clone(), &table, &mut found);
                     assert_eq!(found, expected, "{level}, {points} points");
+                    let mut found = vec![RowCounts::default(); rows];
+                    count_words_at(level, &words, &table, &mut found);
+                    assert_eq!(found[own.start..], expected, "{level}, {points} points");
                 }
             }
         }

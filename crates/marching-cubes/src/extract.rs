@@ -1,7 +1,7 @@
 //! The entries: volume, value, options, sink; or several values with a sink each.
 
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Skipped, Source,
     fill::{Fill, Winding},
     layout::Layout,
     planes::{Lattice, Planes},
@@ -23,6 +23,8 @@ pub struct Extracted {
     /// The least distance that a vertex keeps from the samples at both ends of its edge, in edge
     /// lengths; 0 with [`Degenerate::Exact`].
     pub margin: f64,
+    /// What was not done, for all surfaces of the call together.
+    pub skipped: Skipped,
 }
 
 /// The surface where the value is `iso`, with gradient normals, in memory.
@@ -84,17 +86,19 @@ pub fn count<T: Sample>(
 /// # Panics
 ///
 /// If there are not as many sinks as values.
-pub fn extract_many<T: Sample, S: MeshSink<Error: Send> + Send>(
-    view: &View<'_, T>,
+pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
+    samples: impl Into<Source<'a, T>>,
     isos: &[f64],
     options: &ExtractOptions,
     sinks: &mut [S],
     job: &Job,
 ) -> Result<Vec<Extracted>, ExtractError<S::Error>> {
     assert_eq!(isos.len(), sinks.len(), "one sink per isovalue");
+    let source: Source<'_, T> = samples.into();
+    let view = &source.view;
     let (precision, margin) = precision(view, options);
     job.threads.run(|| {
-        let planes = classified(view, isos, Passes::CountAndFill, options, job)?;
+        let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
         let extract = |((planes, &iso), sink): ((Planes, &f64), &mut S)| {
             let layout = layout(&planes, options, job)?;
@@ -108,7 +112,7 @@ pub fn extract_many<T: Sample, S: MeshSink<Error: Send> + Send>(
                 let fill = Fill { planes: &planes, layout, placement, winding };
                 fill.piece(piece, options.layers_per_task.get(), job)?;
             }
-            Ok(Extracted { counts, precision, margin })
+            Ok(Extracted { counts, precision, margin, skipped })
         };
         surfaces.map(extract).collect()
     })
@@ -119,14 +123,15 @@ pub fn extract_many<T: Sample, S: MeshSink<Error: Send> + Send>(
 /// # Errors
 ///
 /// As [`extract`].
-pub fn count_many<T: Sample>(
-    view: &View<'_, T>,
+pub fn count_many<'a, T: Sample>(
+    samples: impl Into<Source<'a, T>>,
     isos: &[f64],
     options: &ExtractOptions,
     job: &Job,
 ) -> Result<Vec<Counts>, ExtractError> {
+    let source: Source<'_, T> = samples.into();
     job.threads.run(|| {
-        let planes = classified(view, isos, Passes::Count, options, job)?;
+        let (planes, _) = classified(&source, isos, Passes::Count, options, job)?;
         let count = |planes| {
             let layout = layout(&planes, options, job)?;
             Ok(layout.as_ref().map_or(Counts::default(), Layout::counts))
@@ -144,12 +149,13 @@ enum Passes {
 
 /// The planes of all isovalues, once it is known that there may be surfaces.
 fn classified<T: Sample, E: Send>(
-    view: &View<'_, T>,
+    source: &Source<'_, T>,
     isos: &[f64],
     passes: Passes,
     options: &ExtractOptions,
     job: &Job,
-) -> Result<Vec<Planes>, ExtractError<E>> {
+) -> Result<(Vec<Planes>, Skipped), ExtractError<E>> {
+    let view = &source.view;
     if let Some(&iso) = isos.iter().find(|iso| !iso.is_finite()) {
         return Err(ExtractError::Iso(iso));
     }
@@ -160,7 +166,7 @@ fn classified<T: Sample, E: Send>(
     // Each pass goes through all slices once.
     let passes = 1 + passes as u64 * isos.len() as u64;
     job.progress.begin("extract", passes * view.dims()[2] as u64);
-    Planes::classify(view, lattice, isos, options.nan, job)
+    Planes::classify(source, lattice, isos, options.nan, job)
 }
 
 /// The numbers of all vertices and triangles; none where there can be none.

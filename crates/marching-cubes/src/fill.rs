@@ -118,6 +118,9 @@ impl<T: Sample> Fill<'_, T> {
         triangles: &mut &mut [[u32; 3]],
         scratch: &mut Scratch,
     ) {
+        if self.layout.slices[z] == self.layout.slices[z + 1] {
+            return;
+        }
         let Scratch { words, along_x_and_y, along_z } = scratch;
         let [_, ny, nz] = self.planes.lattice.points;
         let first = self.layout.row(self.planes.lattice, 0, z);

@@ -12,7 +12,7 @@ use crate::{
     planes::{Lattice, Planes},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Word, count_rows, words_of_rows};
+use isokit_lanes::{Word, count_rows, count_words, words_of_rows};
 use isokit_mesh::Counts;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -61,9 +61,11 @@ impl Layout {
             let Counts { vertices, triangles } = whole;
             return Err(ExtractError::TooLarge { vertices, triangles });
         }
-        let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(&slices);
-        // No number exceeds the total, which fits.
-        slices_of_rows.for_each(|(slice, first)| number_rows(slice, first.vertices as u32));
+        let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(slices.par_windows(2));
+        // No triangle names an edge of a slice without. No number exceeds the total, which fits.
+        slices_of_rows.filter(|(_, ends)| ends[0] != ends[1]).for_each(|(slice, ends)| {
+            number_rows(slice, ends[0].vertices as u32);
+        });
         Ok(Self { rows, slices, live })
     }
 
@@ -101,6 +103,7 @@ impl Layout {
     }
 }
 
+/// The words of some rows of a slice that hold a crossed cell or a cut edge of the row.
 fn words(
     planes: &Planes,
     live: Option<&LiveCells>,
@@ -108,7 +111,14 @@ fn words(
     z: usize,
     out: &mut Vec<Word>,
 ) {
-    words_of_rows(&planes.inside.slices(z), rows, out);
+    let bits = planes.inside.slices(z);
+    match &planes.visits {
+        Some(visits) => {
+            out.clear();
+            rows.for_each(|y| visits.words_of_row(&bits, [y, z], out));
+        }
+        None => words_of_rows(&bits, rows, out),
+    }
     if let Some(live) = live {
         out.iter_mut().for_each(|word| live.restrict(word, z));
     }
@@ -121,14 +131,17 @@ fn count_slice(
     slice: &mut [Row],
     scratch: &mut Vec<Word>,
 ) -> Counts {
+    let mut counts = Counts::default();
+    if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
+        return counts;
+    }
     let rows = 0..slice.len();
-    if live.is_some() {
+    if live.is_some() || planes.visits.is_some() {
         words(planes, live, rows, z, scratch);
-        scratch.iter().for_each(|word| slice[word.row].add(word, &CASES.counts));
+        count_words(scratch, &CASES.counts, slice);
     } else {
         count_rows(&planes.inside.slices(z), rows, &CASES.counts, slice);
     }
-    let mut counts = Counts::default();
     for row in slice {
         counts.vertices += u64::from(row.x) + u64::from(row.y) + u64::from(row.z);
         counts.triangles += u64::from(row.triangles);

@@ -5,10 +5,11 @@
 //! zeros. Bit `i % 64` of word `i / 64` is point `i`; bits beyond the last point
 //! are 0.
 
-use crate::Boundary;
+use crate::{Boundary, sparse::Visits};
 use isokit_lanes::{BitRows, words};
 use std::sync::Arc;
 
+mod chosen;
 mod classify;
 #[cfg(test)]
 mod tests;
@@ -95,6 +96,8 @@ pub(crate) struct Planes {
     pub(crate) inside: Plane,
     /// Which points have no value; only where those leave a border. The same for every isovalue.
     pub(crate) missing: Option<Arc<Plane>>,
+    /// The words that are to be looked at, where not all are.
+    pub(crate) visits: Option<Visits>,
 }
 
 impl Planes {

@@ -65,6 +65,22 @@ pub enum Row<'a, T> {
 }
 
 impl<'a, T: Sample> Row<'a, T> {
+    /// Some samples of the row.
+    ///
+    /// # Panics
+    ///
+    /// If the range leads out of the row.
+    pub fn part(self, range: Range<usize>) -> Self {
+        match self {
+            Self::Contiguous(row) => Self::Contiguous(&row[range]),
+            Self::Strided { samples, first, stride, length } => {
+                assert!(range.start <= range.end && range.end <= length, "{range:?} of {length}");
+                let first = first.wrapping_add_signed(range.start as isize * stride);
+                Self::Strided { samples, first, stride, length: range.len() }
+            }
+        }
+    }
+
     /// The row as a slice: itself where it is contiguous, else a copy made in `scratch`.
     pub fn gather(self, scratch: &'a mut Vec<T>) -> &'a [T] {
         match self {
@@ -231,6 +247,8 @@ mod tests {
             assert_eq!(plain.stored([i, j, k]), turned.stored([3 - k, 2 - j, 1 - i]));
         }
         assert_eq!(turned.row(2, 1).gather(&mut vec![]), [18, 12, 6, 0]);
+        assert_eq!(turned.row(2, 1).part(1..3).gather(&mut vec![]), [12, 6]);
+        assert_eq!(plain.row(0, 0).part(1..2).gather(&mut vec![]), [1]);
     }
 
     #[test]

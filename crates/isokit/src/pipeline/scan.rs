@@ -1,15 +1,15 @@
 //! A volume on its way to a mesh.
 
 use crate::pipeline::{
-    IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions, TargetSpace,
-    UnknownSpace,
+    Index, IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions,
+    TargetSpace, UnknownSpace, index,
 };
 use isokit_geom::Frame;
-use isokit_io::{Format, MeshContext, VolumeOptions, open_volume};
+use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job};
-use isokit_marching_cubes::{ExtractError, extract_many};
+use isokit_marching_cubes::{ExtractError, Skipped, Source, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
-use isokit_volume::{AnyVolume, Histogram, Sample, Statistics, View, Volume, for_any};
+use isokit_volume::{AnyBricks, AnyVolume, Histogram, Sample, Statistics, View, Volume, for_any};
 use std::{ops::Range, path::Path, slice, sync::OnceLock};
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
@@ -19,6 +19,9 @@ pub struct Scan {
     part: [Range<usize>; 3],
     format: Option<Format>,
     notes: Vec<String>,
+    /// Where an index of the whole volume is kept.
+    index_file: Option<BrickFile>,
+    bricks: Option<AnyBricks>,
     statistics: OnceLock<Statistics>,
     histogram: OnceLock<Option<Histogram>>,
 }
@@ -52,8 +55,9 @@ impl Scan {
         grid.frame = space.place(grid.frame)?;
         region.samples(&grid)?;
         let (format, notes) = (file.format(), file.notes().to_vec());
+        let index_file = file.bricks().ok();
         let scan = Self::new(file.collect(job)?).placed(space)?.cropped(region)?;
-        Ok(Self { format: Some(format), notes, ..scan })
+        Ok(Self { format: Some(format), notes, index_file, ..scan })
     }
 
     /// Samples from elsewhere, all of them, where they are.
@@ -62,7 +66,9 @@ impl Scan {
         // What is in memory is numbered by its address space.
         let part = volume.grid().dims().map(|n| 0..n as usize);
         let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
-        Self { volume, part, format: None, notes: vec![], statistics, histogram }
+        let (format, notes) = (None, vec![]);
+        let (index_file, bricks) = (None, None);
+        Self { volume, part, format, notes, index_file, bricks, statistics, histogram }
     }
 
     /// The same scan in another world.
@@ -185,6 +191,22 @@ impl Scan {
         }))
     }
 
+    /// Finds out where in the volume which values occur, so that surfaces are made sooner: the same, byte
+    /// for byte. Of a scan from a file that is kept in a file beside it, and read from there where it is
+    /// of the volume as it is.
+    ///
+    /// A part of a scan makes no use of it.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled or allows less memory. That nothing could be kept is no error.
+    pub fn index(&mut self, job: &Job) -> Result<Index, PipelineError> {
+        let (bricks, found) =
+            for_any!(&self.volume, volume => index::of(volume, self.index_file.as_ref(), job))?;
+        self.bricks = Some(bricks);
+        Ok(found)
+    }
+
     /// The surface where the value is `iso`.
     ///
     /// # Errors
@@ -214,11 +236,11 @@ impl Scan {
         mesh: &mut TriMesh,
         job: &Job,
     ) -> Result<(), PipelineError> {
-        self.meshes_into(&[iso], options, slice::from_mut(mesh), job)
+        self.meshes_into(&[iso], options, slice::from_mut(mesh), job).map(drop)
     }
 
     /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
-    /// of a used mesh.
+    /// of a used mesh. What comes back is what an index told not to do.
     ///
     /// # Errors
     ///
@@ -233,7 +255,7 @@ impl Scan {
         options: &SurfaceOptions,
         meshes: &mut [TriMesh],
         job: &Job,
-    ) -> Result<(), PipelineError> {
+    ) -> Result<Skipped, PipelineError> {
         for mesh in &mut *meshes {
             match options.normals {
                 Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
@@ -242,14 +264,14 @@ impl Scan {
         }
         let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let extracted = for_any!(&self.volume, volume => {
-            extract_many(&self.view(volume), isos, &options.extract, &mut sinks, job)
+            extract_many(self.source(volume), isos, &options.extract, &mut sinks, job)
         });
-        extracted.map_err(|error| self.in_whole(error))?;
+        let extracted = extracted.map_err(|error| self.in_whole(error))?;
         drop(sinks);
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
         }
-        Ok(())
+        Ok(extracted.first().map_or(Skipped::default(), |one| one.skipped))
     }
 
     /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the
@@ -274,6 +296,13 @@ impl Scan {
 
     fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
         volume.view().part(self.part.clone()).expect("the part was checked against the volume")
+    }
+
+    /// The view, with bricks if they are of all of it.
+    fn source<'a, T: Sample>(&'a self, volume: &'a Volume<T>) -> Source<'a, T> {
+        let (view, bricks) = (self.view(volume), self.bricks.as_ref().and_then(AnyBricks::of));
+        let known = bricks.and_then(|bricks| Source::with_bricks(&view, bricks));
+        known.unwrap_or(Source::from(&view))
     }
 
     /// The same error with sample numbers of the whole volume instead of the part.

@@ -69,8 +69,9 @@ pub(crate) struct Eights<'a> {
     bits: BitRows<'a>,
     /// The rows that are left once these words are through.
     left: Range<usize>,
-    /// Words of some rows, and of those beside and above them.
+    /// Words of some rows, and of those beside and above them; there may be more than are wanted.
     flat: [&'a [u64]; 4],
+    wanted: usize,
     at: usize,
     /// Row of the word at `at`, and its place in the row.
     place: [usize; 2],
@@ -96,7 +97,21 @@ impl<'a> Eights<'a> {
     pub(crate) fn new(bits: &BitRows<'a>, rows: Range<usize>) -> Self {
         let place = [rows.start, 0];
         let flat = [&bits.low[..0]; 4];
-        Self { bits: *bits, left: rows, flat, at: 0, place, has_cells: false }
+        Self { bits: *bits, left: rows, flat, wanted: 0, at: 0, place, has_cells: false }
+    }
+
+    /// Only the words `run` of a row.
+    pub(crate) fn of_run(bits: &BitRows<'a>, row: usize, run: Range<usize>) -> Self {
+        // The last cell of the run has its high-x corners in the next word, if there is one.
+        let end = bits.words().min(run.end + 1);
+        let [a, b, c, d] = bits.around(row);
+        Self {
+            flat: [&a[run.start..end], &b[run.start..end], &c[run.start..end], &d[run.start..end]],
+            wanted: run.len(),
+            place: [row, run.start],
+            has_cells: bits.has_cells(row),
+            ..Self::new(bits, 0..0)
+        }
     }
 
     /// The next eight words of which one is not blank.
@@ -104,7 +119,7 @@ impl<'a> Eights<'a> {
     #[target_feature(enable = "avx512f,avx512vbmi2")]
     pub(crate) fn next(&mut self) -> Option<Eight> {
         loop {
-            if self.at >= self.flat[0].len() && !self.take_rows() {
+            if self.at >= self.wanted && !self.take_rows() {
                 return None;
             }
             let eight = self.eight();
@@ -130,7 +145,7 @@ impl<'a> Eights<'a> {
         };
         let BitRows { low, high, .. } = self.bits;
         self.flat = [&low[own.clone()], &low[next.clone()], &high[own], &high[next]];
-        (self.at, self.place) = (0, [first, 0]);
+        (self.at, self.wanted, self.place) = (0, self.flat[0].len(), [first, 0]);
         self.has_cells = self.bits.has_cells(first);
         self.left.start = end;
         true
@@ -139,9 +154,9 @@ impl<'a> Eights<'a> {
     #[inline]
     #[target_feature(enable = "avx512f,avx512vbmi2")]
     fn eight(&self) -> Eight {
-        let left = self.flat[0].len() - self.at;
+        let (left, held) = (self.wanted - self.at, self.flat[0].len() - self.at);
         let own = if left < 8 { (1_u8 << left) - 1 } else { u8::MAX };
-        let next = if left < 9 { (1_u8 << (left - 1)) - 1 } else { u8::MAX };
+        let next = if held < 9 { (1_u8 << (held - 1)) - 1 } else { u8::MAX };
         let zero = _mm512_setzero_si512();
         let (mut low, mut high) = ([zero; 4], [zero; 4]);
         let (mut any, mut all) = (zero, _mm512_set1_epi64(-1));
@@ -208,7 +223,17 @@ pub(crate) fn words(register: __m512i) -> [u64; 8] {
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
 pub(super) fn words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
-    let mut eights = Eights::new(bits, rows);
+    push_words(Eights::new(bits, rows), out);
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+pub(super) fn words_of_run(bits: &BitRows<'_>, row: usize, run: Range<usize>, out: &mut Vec<Word>) {
+    push_words(Eights::of_run(bits, row, run), out);
+}
+
+#[inline]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+fn push_words(mut eights: Eights<'_>, out: &mut Vec<Word>) {
     while let Some(eight) = eights.next() {
         let (corners, cuts, active) = (eight.corners(), eight.cuts(), words(eight.active));
         let mut found = eight.found;

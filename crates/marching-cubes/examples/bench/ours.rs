@@ -7,9 +7,11 @@ use crate::{
 };
 use isokit_job::{Job, Threads};
 use isokit_lanes::{Level, signs, words};
-use isokit_marching_cubes::{self as mc, ExtractOptions, count_many, extract_into};
+use isokit_marching_cubes::{
+    self as mc, ExtractOptions, Skipped, Source, count_many, extract_many,
+};
 use isokit_mesh::{Counts, Positions, TriMesh};
-use isokit_volume::{Dtype, Grid, Sample, Volume, for_dtype};
+use isokit_volume::{Bricks, Dtype, Grid, Sample, Volume, for_dtype};
 use rayon::prelude::*;
 use std::{collections::BTreeMap, num::NonZeroUsize};
 
@@ -21,6 +23,7 @@ pub(crate) fn open(load: &Load) -> Result<Box<dyn Contender>, Failure> {
 
 struct Isokit<T> {
     volume: Volume<T>,
+    bricks: Option<Bricks<T>>,
     /// Jobs with pools of threads, by their number: no request pays for the start of a thread.
     jobs: BTreeMap<usize, Job>,
     /// The mesh of the request before, for warm ones; with normals and without.
@@ -35,7 +38,8 @@ impl<T: Sample> Isokit<T> {
         let grid = Grid::new(load.dims.map(|n| n as u64), Default::default())?;
         let volume = Volume::new(grid, load.samples()?)?;
         let kept = [TriMesh::default(), TriMesh::with_normals()];
-        Ok(Self { volume, jobs: BTreeMap::new(), kept, bits: vec![], copied: vec![] })
+        let jobs = BTreeMap::new();
+        Ok(Self { volume, bricks: None, jobs, kept, bits: vec![], copied: vec![] })
     }
 
     fn job(&mut self, threads: usize) -> Result<Job, Failure> {
@@ -62,11 +66,18 @@ impl<T: Sample> Isokit<T> {
             false => &mut fresh,
         };
         let view = self.volume.view();
+        if request.index && self.bricks.is_none() {
+            self.bricks = Some(Bricks::of(&view, &job)?);
+        }
+        let bricks = self.bricks.as_ref().filter(|_| request.index);
+        let source = bricks.and_then(|bricks| Source::with_bricks(&view, bricks));
+        let source = source.unwrap_or(Source::from(&view));
         let (answer, result) =
-            timed(|| extract_into(&view, request.iso, &options, &mut mesh.refill(), &job));
-        result?;
+            timed(|| extract_many(source, &[request.iso], &options, &mut [mesh.refill()], &job));
+        let Skipped { bricks, bricks_skipped, .. } = result?[0].skipped;
+        let active = (bricks > 0).then(|| (bricks - bricks_skipped) as f64 / bricks as f64);
         let (parts, counts) = (parts(mesh), mesh.counts());
-        Ok(Answer { parts, input: Some(self.input()), ..counted(answer, counts) })
+        Ok(Answer { parts, active, input: Some(self.input()), ..counted(answer, counts) })
     }
 
     fn count(&mut self, isos: &[f64], threads: usize) -> Result<Answer, Failure> {
@@ -78,6 +89,13 @@ impl<T: Sample> Isokit<T> {
             triangles: sum.triangles + one.triangles,
         });
         Ok(counted(answer, sum))
+    }
+
+    fn index(&mut self, threads: usize) -> Result<Answer, Failure> {
+        let job = self.job(threads)?;
+        let (answer, bricks) = timed(|| Bricks::of(&self.volume.view(), &job));
+        self.bricks = Some(bricks?);
+        Ok(self.with_input(answer))
     }
 
     /// One bit per sample, as the first pass of an extraction makes them.
@@ -154,6 +172,7 @@ impl<T: Sample> Contender for Isokit<T> {
             Request::Load(_) => Err("a volume is loaded".into()),
             Request::Extract(request) => self.extract(&request),
             Request::Count { isos, threads } => self.count(&isos, threads),
+            Request::Index { threads } => self.index(threads),
             Request::Classify { iso, threads } => self.classify(iso, threads),
             Request::Read { threads } => self.read(threads),
             Request::Copy { threads } => self.copy(threads),

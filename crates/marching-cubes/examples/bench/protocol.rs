@@ -21,6 +21,8 @@ pub(crate) enum Request {
     Extract(Extract),
     /// Count vertices and triangles of the surfaces of these values, and make nothing.
     Count { isos: Vec<f64>, threads: usize },
+    /// Find the least and the greatest sample of every brick.
+    Index { threads: usize },
     /// Compare every sample with the value, into bits that were written before.
     Classify { iso: f64, threads: usize },
     /// Read every sample.
@@ -58,6 +60,9 @@ pub(crate) struct Extract {
     pub(crate) boundary: Boundary,
     #[serde(default)]
     pub(crate) nan: Nan,
+    /// Whether the bricks are known; they are made off the clock.
+    #[serde(default)]
+    pub(crate) index: bool,
 }
 
 /// What lies beyond the border.
@@ -99,6 +104,9 @@ pub(crate) struct Answer {
     /// Bytes that were in memory at most, above input and output.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) above: Option<i64>,
+    /// With known bricks, the share of those that were looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) active: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) simd: Option<&'static str>,
     /// Why there is no result.

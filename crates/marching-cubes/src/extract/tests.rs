@@ -8,6 +8,7 @@ use isokit_mesh::{Counts, Positions, Precision};
 use isokit_volume::{Grid, Sample, Scaling, View, Volume};
 use std::{collections::BTreeMap, num::NonZeroUsize};
 
+mod bricks;
 mod many;
 
 type Point = [i64; 3];

@@ -1,10 +1,10 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Lattice, Plane, Planes};
-use crate::{ExtractError, Nan};
+use super::{Lattice, Plane, Planes, chosen::chosen};
+use crate::{ExtractError, Nan, Skipped, Source, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{Threshold, Thresholds, nans, signs_of_many, words};
-use isokit_volume::{Sample, View};
+use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -16,30 +16,53 @@ struct Found {
 }
 
 impl Planes {
-    /// Compares every sample with every isovalue.
+    /// Compares samples with every isovalue: all samples, or those of which bricks do not tell.
     pub(crate) fn classify<T: Sample, E: Send>(
-        view: &View<'_, T>,
+        Source { view, bricks }: &Source<'_, T>,
         lattice: Lattice,
         isos: &[f64],
         nan: Nan,
         job: &Job,
-    ) -> Result<Vec<Self>, ExtractError<E>> {
-        let missing = missing(view, lattice, nan, job)?;
+    ) -> Result<(Vec<Self>, Skipped), ExtractError<E>> {
+        let all = view.dims().iter().map(|&n| n as u64).product();
+        let mut skipped = Skipped::default();
+        let may_be_nan = !T::DTYPE.is_integer() && bricks.is_none_or(Bricks::has_nan);
+        let missing = match may_be_nan && nan != Nan::Outside {
+            true => missing(view, lattice, nan, job)?,
+            false => None,
+        };
         let thresholds: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
         let reached = |threshold: &&Threshold<T>| !matches!(threshold, Threshold::Never);
         let asked: Vec<_> = thresholds.iter().filter(reached).copied().collect();
-        let mut inside = match Thresholds::new(&asked) {
-            Some(asked) => {
+        let (mut inside, mut visits) = (vec![], vec![]);
+        match (Thresholds::new(&asked), bricks) {
+            (Some(each), None) => {
                 let test = |row: &[T], _, out: &mut [u64]| {
-                    signs_of_many(row, &asked, out);
+                    signs_of_many(row, &each, out);
                     Found::default()
                 };
-                planes(view, lattice, asked.count(), test, job)?.0
+                inside = planes(view, lattice, each.count(), test, job)?.0;
+                skipped.samples_read = all;
+            }
+            (Some(each), Some(bricks)) => {
+                let sides: Vec<_> = asked.iter().map(|&one| bricks.sides(one)).collect();
+                let choice = Choice::new(*bricks.grid(), &sides, lattice);
+                let samples_read;
+                (inside, samples_read) = chosen(view, lattice, &each, &choice, job)?;
+                skipped = Skipped { samples_read, ..choice.skipped };
+                visits = choice.visits;
             }
             // Nothing is inside, whatever the samples are: not one is read.
-            None => vec![],
+            (None, Some(bricks)) => {
+                let bricks = bricks.extents().len() as u64;
+                skipped = Skipped { bricks, bricks_skipped: bricks, samples_read: 0 };
+            }
+            (None, None) => {}
         }
-        .into_iter();
+        if may_be_nan && nan != Nan::Outside {
+            skipped = Skipped { bricks_skipped: 0, samples_read: all, ..skipped };
+        }
+        let (mut inside, mut visits) = (inside.into_iter(), visits.into_iter());
         let of = |threshold| Self {
             lattice,
             inside: match threshold {
@@ -47,21 +70,22 @@ impl Planes {
                 _ => inside.next().expect("a plane for each that is asked"),
             },
             missing: missing.clone(),
+            visits: match threshold {
+                Threshold::Never => None,
+                _ => visits.next(),
+            },
         };
-        Ok(thresholds.into_iter().map(of).collect())
+        Ok((thresholds.into_iter().map(of).collect(), skipped))
     }
 }
 
-/// Which samples are NaN, where the policy asks and some are.
+/// Which samples are NaN, where some are.
 fn missing<T: Sample, E: Send>(
     view: &View<'_, T>,
     lattice: Lattice,
     nan: Nan,
     job: &Job,
 ) -> Result<Option<Arc<Plane>>, ExtractError<E>> {
-    if nan == Nan::Outside || T::DTYPE.is_integer() {
-        return Ok(None);
-    }
     let test = |row: &[T], [j, k]: [usize; 2], out: &mut [u64]| {
         nans(row, out);
         let count = out.iter().map(|word| u64::from(word.count_ones())).sum();
@@ -86,18 +110,15 @@ fn planes<T: Sample, E>(
     test: impl Fn(&[T], [usize; 2], &mut [u64]) -> Found + Sync,
     job: &Job,
 ) -> Result<(Vec<Plane>, Found), ExtractError<E>> {
-    let [nx, ny, nz] = view.dims();
-    let (guard, rows) = (lattice.guard, lattice.rows());
-    let size = rows.and_then(|rows| rows.checked_mul(lattice.words as u64));
-    let plane = |_| job.limits.zeroed("sign plane", size);
-    let mut bits = (0..count).map(plane).collect::<Result<Vec<Vec<u64>>, OverLimit>>()?;
+    let ([nx, ny, _], guard) = (view.dims(), lattice.guard);
+    let mut bits = zeros(lattice, count, job)?;
     let fill = |(k, mut slices): (usize, Vec<&mut [u64]>)| {
         job.check()?;
         let (mut found, mut scratch) = (Found::default(), vec![]);
         let mut row_of_all = vec![0; count * words(nx)];
         for j in 0..ny {
             let row = view.row(j, k).gather(&mut scratch);
-            let own = (guard + j) * lattice.words..(guard + j + 1) * lattice.words;
+            let own = j * lattice.words..(j + 1) * lattice.words;
             let more = if let [slice] = &mut slices[..] {
                 let out = &mut slice[own];
                 let more = test(row, [j, k], &mut out[..words(nx)]);
@@ -118,21 +139,34 @@ fn planes<T: Sample, E>(
         job.progress.advance(1);
         Ok(found)
     };
-    let mut slices = slices(&mut bits, lattice.words * lattice.points[1], lattice.points[2]);
-    let slices: Vec<_> = slices.drain(guard..guard + nz).collect();
-    let found = slices.into_par_iter().enumerate().map(fill);
+    let found = slices(&mut bits, lattice).into_par_iter().enumerate().map(fill);
     let found: Vec<Found> = found.collect::<Result<_, Cancelled>>()?;
     let nan = found.iter().map(|found| found.count).sum();
     let first = found.iter().find_map(|found| found.first);
-    let plane = |bits| Plane { lattice, bits };
-    Ok((bits.into_iter().map(plane).collect(), Found { count: nan, first }))
+    Ok((of_bits(lattice, bits), Found { count: nan, first }))
 }
 
-/// The slices of all planes: for each z, that of every plane.
-fn slices(planes: &mut [Vec<u64>], slice: usize, count: usize) -> Vec<Vec<&mut [u64]>> {
-    let mut planes: Vec<_> = planes.iter_mut().map(|bits| bits.chunks_exact_mut(slice)).collect();
-    let next = |_| planes.iter_mut().filter_map(Iterator::next).collect();
-    (0..count).map(next).collect()
+/// Fresh memory for the bits of so many planes.
+pub(super) fn zeros(lattice: Lattice, count: usize, job: &Job) -> Result<Vec<Vec<u64>>, OverLimit> {
+    let size = lattice.rows().and_then(|rows| rows.checked_mul(lattice.words as u64));
+    (0..count).map(|_| job.limits.zeroed("sign plane", size)).collect()
+}
+
+pub(super) fn of_bits(lattice: Lattice, bits: Vec<Vec<u64>>) -> Vec<Plane> {
+    let plane = |bits| Plane { lattice, bits };
+    bits.into_iter().map(plane).collect()
+}
+
+/// The rows of samples in the slices of all planes: for each slice of samples, those of every plane.
+pub(super) fn slices<'a>(planes: &'a mut [Vec<u64>], lattice: Lattice) -> Vec<Vec<&'a mut [u64]>> {
+    let Lattice { points: [_, ny, nz], guard, words } = lattice;
+    let slices = |bits: &'a mut Vec<u64>| bits.chunks_exact_mut(words * ny).skip(guard);
+    let mut planes: Vec<_> = planes.iter_mut().map(slices).collect();
+    let next = |_| {
+        let slices = planes.iter_mut().filter_map(Iterator::next);
+        slices.map(|slice| &mut slice[guard * words..(ny - guard) * words]).collect()
+    };
+    (0..nz - 2 * guard).map(next).collect()
 }
 
 /// Moves the bits of a row behind its guard, if it has one.

@@ -1,7 +1,7 @@
 //! Planes against what they stand for, bit by bit.
 
 use super::{Lattice, Planes};
-use crate::{Boundary, ExtractError, Nan};
+use crate::{Boundary, ExtractError, Nan, Source};
 use isokit_job::Job;
 use isokit_volume::{Grid, Volume};
 use std::convert::Infallible;
@@ -15,7 +15,8 @@ fn planes(
     let samples = (0..grid.count() as usize).map(sample).collect();
     let volume = Volume::new(grid, samples).unwrap();
     let lattice = Lattice::new(volume.view().dims(), boundary);
-    let mut all = Planes::classify(&volume.view(), lattice, &[0.0], nan, &Job::default())?;
+    let source = Source::from(&volume.view());
+    let (mut all, _) = Planes::classify(&source, lattice, &[0.0], nan, &Job::default())?;
     Ok(all.remove(0))
 }
 
