@@ -128,6 +128,7 @@ fn batches(criterion: &mut Criterion) {
         reach: 0.5 - 1.0 / 1024.0,
         columns: unit,
         origin: [0.0; 3],
+        first_slice: 0.0,
         covectors: unit,
     };
     let mut edges = Edges::default();

@@ -95,8 +95,10 @@ pub struct Field {
     pub reach: f64,
     /// Where a step along x, y, z of index space leads.
     pub columns: [[f64; 3]; 3],
-    /// The place of the first sample.
+    /// The place of sample (0, 0, 0).
     pub origin: [f64; 3],
+    /// Index along z of the first slice that is in memory.
+    pub first_slice: f64,
     /// What turns a gradient in index space into one in world space, by columns.
     pub covectors: [[f64; 3]; 3],
 }
@@ -325,7 +327,8 @@ impl<T: Lane> Batch<'_, '_, T> {
         let Edges { axis, low, .. } = self.edges;
         let ijk: [Lanes; 3] = each_axis!(along => {
             each!(n => {
-                let place = f64::from(low[along][n]);
+                let first = if along == 2 { self.field.first_slice } else { 0.0 };
+                let place = f64::from(low[along][n]) + first;
                 if axis[n] == along as u32 { place + 0.5 + delta[n] } else { place }
             })
         });

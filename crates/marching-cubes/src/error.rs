@@ -52,6 +52,18 @@ pub enum ExtractError<E = Infallible> {
     Sink(E),
 }
 
+/// Why there is no surface of a volume that is read slice by slice: `R` is the source's own error, `E`
+/// the sink's.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SlabError<R, E = Infallible> {
+    /// The source has no slices.
+    #[error(transparent)]
+    Source(R),
+    /// The slices have no surface.
+    #[error(transparent)]
+    Extract(#[from] ExtractError<E>),
+}
+
 impl<E> From<Cancelled> for ExtractError<E> {
     fn from(cancelled: Cancelled) -> Self {
         Self::Stopped(cancelled.into())

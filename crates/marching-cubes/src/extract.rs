@@ -9,7 +9,7 @@ use crate::{
 };
 use isokit_job::Job;
 use isokit_mesh::{Counts, MeshSink, Precision, TriMesh};
-use isokit_volume::{Sample, View};
+use isokit_volume::{Grid, Sample, View};
 
 /// What can be said of a surface that went into a sink.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +55,7 @@ pub fn extract_into<T: Sample, S: MeshSink<Error: Send> + Send>(
     job: &Job,
 ) -> Result<Extracted, ExtractError<S::Error>> {
     let lattice = Lattice::new(view.dims(), options.boundary);
-    let (precision, margin) = precision(view, options);
+    let (precision, margin) = precision(&view.grid(), options);
     job.threads.run(|| {
         let plan = Plan::new(view, lattice, iso, options, job)?;
         let counts = plan.counts();
@@ -63,9 +63,10 @@ pub fn extract_into<T: Sample, S: MeshSink<Error: Send> + Send>(
         job.limits.probe("surface", bytes, 1)?;
         let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
         if let Some(layout) = &plan.layout {
-            let placement = Placement::new(*view, iso, margin);
+            let placement = Placement::new(*view, iso, margin, 0.0);
             let fill = Fill { planes: &plan.planes, layout, placement, winding: plan.winding };
-            fill.piece(piece, options.layers_per_task.get(), job)?;
+            let slices = 0..lattice.points[2];
+            fill.piece(slices, piece, options.layers_per_task.get(), job)?;
         }
         Ok(Extracted { counts, precision, margin })
     })
@@ -114,9 +115,7 @@ impl Plan {
             true => None,
             false => Some(Layout::new(&planes, options.layers_per_task.get(), job)?),
         };
-        let mirrors = view.frame().index_to_world.determinant() < 0.0;
-        let winding = if mirrors { Winding::Turned } else { Winding::Kept };
-        Ok(Self { planes, layout, winding })
+        Ok(Self { planes, layout, winding: Winding::of(view.frame()) })
     }
 
     fn counts(&self) -> Counts {
@@ -125,17 +124,17 @@ impl Plan {
 }
 
 /// What the caller chose, or f32 while it is exact enough, and the margin that then keeps vertices apart.
-fn precision<T: Sample>(view: &View<'_, T>, options: &ExtractOptions) -> (Precision, f64) {
+pub(crate) fn precision(grid: &Grid, options: &ExtractOptions) -> (Precision, f64) {
     /// What vertices keep from samples wherever rounding allows it.
     const USUAL: f64 = 1.0 / 1024.0;
     /// More would show.
     const GREATEST: f64 = 1.0 / 16.0;
-    let mut bounds = view.grid().bounds();
+    let affine = grid.frame.index_to_world;
+    let mut bounds = grid.bounds();
     if options.boundary == Boundary::Closed {
-        let reach = view.frame().index_to_world.spacing().iter().sum::<f64>() * GREATEST;
+        let reach = affine.spacing().iter().sum::<f64>() * GREATEST;
         bounds = bounds.with(bounds.min.map(|c| c - reach)).with(bounds.max.map(|c| c + reach));
     }
-    let affine = view.frame().index_to_world;
     // Four steps of the coordinate's type at the outermost place, in the shortest edge lengths.
     let needed = 4.0 * step_of_f32(bounds.reach()) / affine.least_stretch();
     let fits = needed <= GREATEST;
@@ -157,7 +156,8 @@ fn step_of_f32(value: f64) -> f64 {
     f64::from(value.next_up()) - f64::from(value)
 }
 
-fn output_bytes(counts: Counts, precision: Precision, normals: bool) -> Option<u64> {
+/// What so many vertices and triangles take. `None` if that cannot be counted.
+pub(crate) fn output_bytes(counts: Counts, precision: Precision, normals: bool) -> Option<u64> {
     let position = match precision {
         Precision::F32 => 12,
         Precision::F64 => 24,

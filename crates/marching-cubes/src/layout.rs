@@ -15,6 +15,7 @@ use isokit_job::{Cancelled, Job};
 use isokit_lanes::{Word, count, words_of_row};
 use isokit_mesh::Counts;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// What one row of lattice points owns. First its counts; then, in their place, the number of the
 /// first of each. Triangles are numbered from the slice's first.
@@ -28,6 +29,13 @@ pub(crate) struct Row {
     pub(crate) z: u32,
     /// Triangles of the cells that start at the row.
     pub(crate) triangles: u32,
+}
+
+/// Slices of the lattice, and what lies before the first of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub(crate) slices: Range<usize>,
+    pub(crate) before: Counts,
 }
 
 /// The number of the first vertex and triangle of every slice and row.
@@ -46,8 +54,21 @@ impl Layout {
         layers_per_task: usize,
         job: &Job,
     ) -> Result<Self, ExtractError<E>> {
+        let part = Part { slices: 0..planes.lattice.points[2], before: Counts::default() };
+        Self::part(planes, &part, layers_per_task, job)
+    }
+
+    /// The same for some slices. Of the slice after them, which their triangles look up to, only the
+    /// vertices along x and y are counted.
+    pub(crate) fn part<E: Send>(
+        planes: &Planes,
+        part: &Part,
+        layers_per_task: usize,
+        job: &Job,
+    ) -> Result<Self, ExtractError<E>> {
         let lattice = planes.lattice;
         let [_, ny, _] = lattice.points;
+        let Part { slices: own, before } = part;
         let live = planes.missing.as_ref().map(|missing| LiveCells::new(lattice, missing));
         let mut rows: Vec<Row> = job.limits.zeroed("rows", lattice.rows())?;
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
@@ -57,13 +78,21 @@ impl Layout {
             let slices = slab.chunks_exact_mut(ny).enumerate();
             let counts = slices.map(|(n, slice)| {
                 let z = task * layers_per_task + n;
+                if z < own.start || z > own.end {
+                    return Counts::default();
+                }
+                let counts = count_slice(planes, live.as_ref(), z, slice, &mut scratch);
+                if z == own.end {
+                    slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
+                    return Counts::default();
+                }
                 job.progress.advance(1);
-                count_slice(planes, live.as_ref(), z, slice, &mut scratch)
+                counts
             });
             Ok(counts.collect::<Vec<Counts>>())
         });
         let counted = counted.collect::<Result<Vec<_>, Cancelled>>()?.concat();
-        let slices = running_sum(&counted);
+        let slices = running_sum(*before, &counted);
         let whole = slices[counted.len()];
         let widest = counted.iter().map(|slice| slice.triangles).max().unwrap_or(0);
         if whole.vertices > u32::MAX.into() || widest > u32::MAX.into() {
@@ -145,8 +174,8 @@ fn count_slice(
 }
 
 /// What lies before each slice, and after the last.
-fn running_sum(slices: &[Counts]) -> Vec<Counts> {
-    let mut sum = Counts::default();
+fn running_sum(before: Counts, slices: &[Counts]) -> Vec<Counts> {
+    let mut sum = before;
     let mut sums = vec![sum];
     for slice in slices {
         sum.vertices += slice.vertices;
