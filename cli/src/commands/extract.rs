@@ -13,6 +13,7 @@ use crate::{
 use anyhow::{Context, Result};
 use isokit::{
     io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
+    lanes::return_freed_memory,
     mesh::{Surface, TriMesh, topology},
     pipeline::{IsoChoice, Scan},
 };
@@ -100,7 +101,8 @@ fn meshes(
     }
     for _ in 0..runs {
         if !is_warm {
-            meshes = fresh(); // what the last run took goes back before the clock starts
+            meshes = fresh();
+            return_freed_memory(); // what the last run took goes back before the clock starts
         }
         let mut seconds = 0.0;
         timed(&mut seconds, || make(&mut meshes))?;

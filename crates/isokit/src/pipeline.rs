@@ -5,7 +5,7 @@
 //! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
 //! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
-//! | extract | [`Scan::mesh`], with normals |
+//! | extract | [`Scan::mesh`], with normals; [`SlabScan::meshes_into`] where the scan exceeds memory |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
@@ -16,6 +16,7 @@ mod iso;
 mod region;
 mod remark;
 mod scan;
+mod slab_scan;
 mod surface;
 mod target;
 
@@ -24,5 +25,6 @@ pub use iso::{IsoChoice, ParseIsoError};
 pub use region::{ParseRegionError, Region, RegionError, Span};
 pub use remark::Remark;
 pub use scan::Scan;
+pub use slab_scan::SlabScan;
 pub use surface::{Normals, SurfaceOptions};
 pub use target::{TargetSpace, UnknownSpace};

@@ -1,4 +1,4 @@
-//! Large memory in large pages.
+//! Large memory: in large pages, and back to the system.
 //!
 //! The first touch of fresh memory costs more than most work done on it. A 2 MiB page is made with one
 //! fault instead of 512; systems that have them give them only where asked.
@@ -25,6 +25,28 @@ fn advise(start: *mut u8, bytes: usize) {
         unsafe {
             libc::madvise(start.add(skipped).cast(), whole / PAGE * PAGE, libc::MADV_HUGEPAGE)
         };
+    }
+}
+
+/// Gives memory that was freed back to the system, which glibc does not do by itself below 64 MiB. Then
+/// what is allocated next is as fresh as in a new process. Elsewhere than on Linux with glibc this does
+/// nothing.
+pub fn return_freed_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: it touches free memory only, under the allocator's own locks.
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}
+
+/// From now on every large allocation has pages of its own, which go back to the system when it is
+/// freed: a process then holds no more than it uses. glibc otherwise learns to keep them. Elsewhere than
+/// on Linux with glibc this does nothing.
+pub fn return_large_memory_when_freed() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: it sets a number that the allocator reads, and it may be set at any time.
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 18);
     }
 }
 

@@ -64,6 +64,26 @@ pub enum SlabError<R, E = Infallible> {
     Extract(#[from] ExtractError<E>),
 }
 
+impl<E> ExtractError<E> {
+    /// The sink's error, or else the same error without a sink.
+    ///
+    /// # Errors
+    ///
+    /// If it is not the sink's.
+    pub fn into_sink(self) -> Result<E, ExtractError> {
+        Err(match self {
+            Self::Sink(error) => return Ok(error),
+            Self::Iso(iso) => ExtractError::Iso(iso),
+            Self::Nan { count, first } => ExtractError::Nan { count, first },
+            Self::TooLong { axis, size } => ExtractError::TooLong { axis, size },
+            Self::TooLarge { vertices, triangles } => {
+                ExtractError::TooLarge { vertices, triangles }
+            }
+            Self::Stopped(stopped) => ExtractError::Stopped(stopped),
+        })
+    }
+}
+
 impl<E> From<Cancelled> for ExtractError<E> {
     fn from(cancelled: Cancelled) -> Self {
         Self::Stopped(cancelled.into())

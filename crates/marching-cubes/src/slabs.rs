@@ -10,7 +10,10 @@
 //! An error of the data is found in the last slice as well as in the first. Then sinks have got a part of
 //! the surface, and the counts in the error are those of the whole volume all the same.
 
+mod budget;
 mod window;
+
+pub use budget::Budget;
 
 use crate::{
     ExtractError, ExtractOptions, Extracted, Nan, SlabError,
@@ -33,10 +36,8 @@ pub struct Slabs<'a> {
     pub isos: &'a [f64],
     /// How samples become a surface.
     pub options: &'a ExtractOptions,
-    /// Slices in memory, at least [`LEAST_WINDOW`]. Changes time and memory only.
-    pub window: usize,
-    /// Bytes of the surface that a sink is asked for at a time. A slice that makes more is an error.
-    pub piece_bytes: u64,
+    /// How much is in memory.
+    pub budget: Budget,
 }
 
 /// The slice whose surface is made, the one below, and two above.
@@ -189,7 +190,7 @@ impl Making<'_> {
         slices: &Range<usize>,
         normals: bool,
     ) -> Result<Range<usize>, OverLimit> {
-        let limit = self.slabs.piece_bytes;
+        let limit = self.slabs.budget.piece_bytes;
         let bytes = |end: usize| {
             let counts = between(layout, &(slices.start..end));
             output_bytes(counts, self.precision.0, normals).unwrap_or(u64::MAX)

@@ -2,7 +2,7 @@
 
 use crate::pipeline::{
     IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions, TargetSpace,
-    UnknownSpace,
+    UnknownSpace, iso::Facts,
 };
 use isokit_geom::Frame;
 use isokit_io::{Format, MeshContext, VolumeOptions, open_volume};
@@ -156,33 +156,7 @@ impl Scan {
     ///
     /// If the samples give none, or if the job is cancelled.
     pub fn iso(&self, choice: IsoChoice, job: &Job) -> Result<f64, PipelineError> {
-        let none = |reason| PipelineError::Iso { choice, reason };
-        match choice {
-            IsoChoice::Value(iso) => Ok(iso),
-            IsoChoice::Auto => {
-                let histogram = self.histogram(job)?.ok_or(none("no sample is finite"))?;
-                histogram.otsu().ok_or(none("all samples have one value"))
-            }
-            IsoChoice::Percent(percent) => {
-                let range = self.finite_range(job)?.ok_or(none("no sample is finite"))?;
-                let part = percent / 100.0;
-                // The difference of two finite values may not be finite.
-                Ok(range[0] * (1.0 - part) + range[1] * part)
-            }
-        }
-    }
-
-    fn finite_range(&self, job: &Job) -> Result<Option<[f64; 2]>, Cancelled> {
-        let statistics = self.statistics(job)?;
-        if statistics.infinite == 0 {
-            return Ok(statistics.range);
-        }
-        // Infinite samples are in no bin; those that are in one reach half a bin beyond its middle.
-        Ok(self.histogram(job)?.map(|histogram| {
-            let half = histogram.width / 2.0;
-            let last = histogram.middle(histogram.counts.len() - 1);
-            [histogram.first - half, last + half]
-        }))
+        choice.find(self, job)
     }
 
     /// The surface where the value is `iso`.
@@ -221,7 +195,7 @@ impl Scan {
         let extracted = for_any!(&self.volume, volume => {
             extract_into(&self.view(volume), iso, &options.extract, &mut mesh.refill(), job)
         });
-        extracted.map_err(|error| self.in_whole(error))?;
+        extracted.map_err(|error| in_whole(error, &self.part))?;
         if options.normals == Normals::Area {
             area_normals(mesh, job)?;
         }
@@ -251,16 +225,26 @@ impl Scan {
     fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
         volume.view().part(self.part.clone()).expect("the part was checked against the volume")
     }
+}
 
-    /// The same error with sample numbers of the whole volume instead of the part.
-    fn in_whole(&self, error: ExtractError) -> ExtractError {
-        match error {
-            ExtractError::Nan { count, first } => {
-                let first = std::array::from_fn(|axis| first[axis] + self.part[axis].start);
-                ExtractError::Nan { count, first }
-            }
-            other => other,
+impl Facts for Scan {
+    fn statistics(&self, job: &Job) -> Result<Statistics, PipelineError> {
+        Ok(self.statistics(job)?)
+    }
+
+    fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, PipelineError> {
+        Ok(self.histogram(job)?)
+    }
+}
+
+/// The same error with sample numbers of the whole volume instead of the part.
+pub(super) fn in_whole(error: ExtractError, part: &[Range<usize>; 3]) -> ExtractError {
+    match error {
+        ExtractError::Nan { count, first } => {
+            let first = std::array::from_fn(|axis| first[axis] + part[axis].start);
+            ExtractError::Nan { count, first }
         }
+        other => other,
     }
 }
 

@@ -10,7 +10,7 @@ const FIELD: Field = Field {
     reach: 0.499,
     columns: [[0.9, 0.1, 0.0], [-0.1, 0.8, 0.2], [0.3, 0.0, 1.3]],
     origin: [10.0, -20.0, 0.125],
-    first_slice: 0.0,
+    first_slice: 40.0,
     covectors: [[1.1, 0.1, -0.2], [0.0, 1.2, 0.1], [0.3, 0.0, 0.8]],
 };
 
@@ -44,6 +44,7 @@ fn one<T: Lane>(
     let delta = (a + b) / (a - b) * 0.5;
     let delta = if delta.is_nan() { -FIELD.reach } else { delta.clamp(-FIELD.reach, FIELD.reach) };
     let mut ijk = low.map(f64::from);
+    ijk[2] += FIELD.first_slice;
     ijk[axis] = ijk[axis] + 0.5 + delta;
     let gradient = |ijk: [u32; 3]| -> [f64; 3] {
         std::array::from_fn(|k| {

@@ -1,6 +1,6 @@
 //! The pieces joined against the surface in memory, bit by bit.
 
-use super::{LEAST_WINDOW, Making, Slabs, Surface, Window, extract_slabs, precision};
+use super::{Budget, LEAST_WINDOW, Making, Slabs, Surface, Window, extract_slabs, precision};
 use crate::{
     Boundary, Degenerate, ExtractError, ExtractOptions, Nan, SlabError, extract, extract_into,
 };
@@ -31,7 +31,7 @@ fn check<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) 
     let least = greatest_slice(volume.grid());
     for window in LEAST_WINDOW..=volume.view().dims()[2].max(LEAST_WINDOW) {
         for piece_bytes in [least, 3 * least, u64::MAX] {
-            let slabs = Slabs { isos, options, window, piece_bytes };
+            let slabs = Slabs { isos, options, budget: Budget { window, piece_bytes } };
             let mut meshes = vec![TriMesh::with_normals(); isos.len()];
             let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
             let source = &mut Slices::new(volume.view());
@@ -144,7 +144,7 @@ fn a_slice_that_makes_more_than_a_piece_may_hold_is_refused() {
     let grid = Grid::new([8, 8, 8], Frame::default()).unwrap();
     let volume = samples(grid, 1, |r| (r % 5) as u8);
     let options = &ExtractOptions::DEFAULT;
-    let slabs = Slabs { isos: &[2.0], options, window: 4, piece_bytes: 100 };
+    let slabs = Slabs { isos: &[2.0], options, budget: Budget { window: 4, piece_bytes: 100 } };
     let (mut mesh, source) = (TriMesh::default(), &mut Slices::new(volume.view()));
     let found = extract_slabs(source, &slabs, &mut vec![mesh.refill()], &Job::default());
     let Err(SlabError::Extract(ExtractError::Stopped(Stopped::OverLimit(over)))) = found else {
@@ -158,7 +158,8 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     let grid = Grid::new([8, 8, 8], Frame::default()).unwrap();
     let volume = samples(grid, 1, |r| (r % 5) as u8);
     let (options, job) = (&ExtractOptions::DEFAULT, Job::default());
-    let slabs = Slabs { isos: &[2.0], options, window: 5, piece_bytes: u64::MAX };
+    let budget = Budget { window: 5, piece_bytes: u64::MAX };
+    let slabs = Slabs { isos: &[2.0], options, budget };
     let making = Making { slabs: &slabs, precision: precision(&grid, options), job: &job };
     let source = &mut Slices::new(volume.view());
     let mut window = Window::new(&*source, &slabs, &job).unwrap();
@@ -222,7 +223,8 @@ fn more_samples_than_32_bits_count_are_no_different() {
     let around = 1019..1056;
     let source = &mut Deep { grid, next: 0, is_full: around.clone(), formula: ball };
     let options = &ExtractOptions::DEFAULT;
-    let slabs = Slabs { isos: &[11.0], options, window: 16, piece_bytes: 1 << 24 };
+    let budget = Budget { window: 16, piece_bytes: 1 << 24 };
+    let slabs = Slabs { isos: &[11.0], options, budget };
     let (mut mesh, job) = (TriMesh::with_normals(), Job::default());
     extract_slabs(source, &slabs, &mut vec![mesh.refill()], &job).unwrap();
     let depth = around.end - around.start;

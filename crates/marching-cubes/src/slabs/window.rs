@@ -45,7 +45,7 @@ impl<T: Sample> Window<T> {
         job: &Job,
     ) -> Result<Self, OverLimit> {
         let (grid, scaling) = (*source.grid(), source.scaling());
-        let slices = (slabs.window.max(LEAST_WINDOW) as u64).min(grid.dims()[2]);
+        let slices = (slabs.budget.window.max(LEAST_WINDOW) as u64).min(grid.dims()[2]);
         let count = grid.slice_count().checked_mul(slices);
         let samples = job.limits.zeroed("window of slices", count)?;
         let slice = grid.slice_count() as usize;
