@@ -7,4 +7,5 @@ mod failures;
 mod info;
 mod kit;
 mod report;
+mod slabs;
 mod streams;
