@@ -19,6 +19,7 @@ SECTIONS = {
     "classify": "Classification",
     "bound": "Against the bound",
     "memory": "Memory",
+    "slabs": "Slice by slice",
     "growth": "Growth",
     "peers": "All peers",
 }
