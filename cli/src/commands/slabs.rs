@@ -14,9 +14,10 @@ use crate::{
 use anyhow::Result;
 use isokit::{
     io::{MeshContext, MeshSpool, SurfaceHead, Written},
+    job::{OverLimit, Stopped},
     lanes::return_large_memory_when_freed,
     marching_cubes::{Budget, Extracted},
-    pipeline::{IsoChoice, SlabScan},
+    pipeline::{IsoChoice, PipelineError, SlabScan},
 };
 use std::{path::Path, time::Instant};
 
@@ -45,7 +46,8 @@ pub(super) fn extract(
     };
     let mut spool = timed(&mut timings.write, || create(plan, path, &heads, &scan, session))?;
     let found = timed(&mut timings.extract, || {
-        scan.meshes_into(&isos, &plan.surface, budget, &mut spool, &session.job)
+        let found = scan.meshes_into(&isos, &plan.surface, budget, &mut spool, &session.job);
+        found.map_err(explained)
     })?;
     for (head, extracted) in heads.iter().zip(&found) {
         tell(plan, &scan, (head, extracted), session)?;
@@ -68,6 +70,14 @@ fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan) -> Result<Budget> {
         let message = format!("--max-memory is too little: four slices need {needed}MiB in all");
         CallerError { message, advice: "allow as much, or take a part of each slice with --roi" }
     })?)
+}
+
+/// An error with what can be done about too little memory.
+fn explained(error: PipelineError) -> anyhow::Error {
+    let PipelineError::Stopped(Stopped::OverLimit(over)) = error else { return error.into() };
+    let OverLimit { what, needed, limit } = over;
+    let message = format!("--max-memory is too little: {what} needs {needed} bytes of {limit}");
+    CallerError { message, advice: "allow more, or take a part of each slice with --roi" }.into()
 }
 
 /// The isovalues that were meant. What was chosen for the user is told.

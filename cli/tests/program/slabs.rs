@@ -133,10 +133,14 @@ fn the_report_tells_what_is_known_of_slices_that_passed_by() {
 #[test]
 fn what_cannot_be_had_is_refused_with_what_can() {
     let folder = Folder::with_ball();
-    folder.done("convert ball.nii -o ball.raw");
+    let noise: Vec<u8> =
+        (0..300 * 300 * 6_u32).map(|n| (n.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    fs::write(folder.path("a.raw"), noise).unwrap();
+    let dense = "a.raw --dims 300,300,6 --dtype u8 --iso 99.5 -o a.ply --max-memory 43MiB";
     fs::write(folder.path("f.npy"), fortran()).unwrap();
     for (words, exit, says) in [
         ("ball.nii --iso 5 -o a.ply --max-memory 9MiB", Exit::Failed, "slices need 43MiB in all"),
+        (dense, Exit::Failed, "the surface of one slice needs"),
         ("ball.nii --iso 5 -o - --max-memory 1GiB", Exit::Usage, "name one with -o"),
         ("ball.nii --iso 5 -o a.ply --normals area --max-memory 1GiB", Exit::Usage, "whole mesh"),
         ("f.npy --iso 5 -o a.ply --max-memory 1GiB", Exit::Failed, "convert the file to .nrrd"),
