@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from kit import bench_limits, bench_machine, bench_output, bench_rows
+from kit import bench_limits, bench_machine, bench_output, bench_rows, bench_slabs
 from kit.bench_measure import Bench
 from kit.bench_volumes import Store
 from kit.program import PROJECT
@@ -31,6 +31,7 @@ ROWS = {
     "bound": bench_limits.bound,
     "memory": bench_limits.memory,
     "command": bench_rows.command,
+    "slabs": bench_slabs.slabs,
     "growth": bench_limits.growth,
     "peers": bench_rows.peers,
 }

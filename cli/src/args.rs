@@ -6,6 +6,7 @@
 
 mod choices;
 mod extract;
+mod memory;
 mod output;
 mod values;
 mod volume;

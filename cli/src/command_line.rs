@@ -8,7 +8,7 @@ use clap::{ArgAction, ArgMatches, Command, parser::ValueSource};
 use std::{ffi::OsStr, path::Path};
 
 /// Options that change how a command is done, or what is said of it, but not the file it makes.
-const WITHOUT_EFFECT: [&str; 10] = [
+const WITHOUT_EFFECT: [&str; 11] = [
     "threads",
     "progress",
     "quiet",
@@ -19,6 +19,7 @@ const WITHOUT_EFFECT: [&str; 10] = [
     "report",
     "repeat",
     "repeat_warm",
+    "max_memory",
 ];
 
 /// The command as one would type it, each word quoted where a shell needs it.

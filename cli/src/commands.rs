@@ -7,6 +7,7 @@ pub(crate) mod convert;
 pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;
+mod slabs;
 
 use crate::Session;
 use anyhow::Result;

@@ -122,7 +122,9 @@ fn of_extract(error: &ExtractError) -> Fault {
             "go on with --nan outside, which closes the surface around them, or --nan mask, which \
              leaves it open there",
         ),
-        ExtractError::TooLarge { .. } => Fault::Ours("take parts of the volume with --roi"),
+        ExtractError::TooLarge { .. } => Fault::Ours(
+            "take parts of the volume with --roi, or another isovalue; --max-memory does not help",
+        ),
         ExtractError::Stopped(stopped) => of_stopped(stopped),
         _ => Fault::Caller("choose another isovalue; `isokit info` shows the range"),
     }
@@ -166,7 +168,9 @@ fn of_write(fault: &WriteFault) -> Fault {
 fn of_stopped(stopped: &Stopped) -> Fault {
     match stopped {
         Stopped::Cancelled(_) => Fault::Interrupted,
-        Stopped::OverLimit(_) => Fault::System("it has not so much memory; take a part with --roi"),
+        Stopped::OverLimit(_) => Fault::System(
+            "it has not so much memory; take a part with --roi, or allow more if you set a limit",
+        ),
     }
 }
 

@@ -9,7 +9,9 @@ mod timings;
 mod volume;
 
 use layout::Layout;
-pub(crate) use mesh::{CheckReport, MeshCounts, MeshReport, SurfaceBrief, SurfaceReport, around};
+pub(crate) use mesh::{
+    CheckReport, MeshCounts, MeshReport, SlabCounts, SurfaceBrief, SurfaceReport, around,
+};
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{VolumeFacts, VolumeReport};
@@ -20,11 +22,11 @@ use std::path::PathBuf;
 
 /// What `extract --report` writes.
 #[derive(Debug, Serialize)]
-pub(crate) struct ExtractReport<'a> {
+pub(crate) struct ExtractReport<'a, C = MeshCounts> {
     pub(crate) schema: &'static str,
     pub(crate) command: &'a str,
     pub(crate) input: VolumeFacts,
-    pub(crate) surfaces: Vec<SurfaceReport>,
+    pub(crate) surfaces: Vec<SurfaceReport<C>>,
     pub(crate) outputs: &'a [PathBuf],
     pub(crate) warnings: &'a [String],
     /// Vertices that a reader will take for one, because the format rounds their places to the same.
@@ -37,9 +39,8 @@ pub(crate) struct ExtractReport<'a> {
     pub(crate) version: &'static str,
 }
 
-impl ExtractReport<'_> {
-    pub(crate) const SCHEMA: &'static str = "isokit.extract/1";
-}
+/// What `extract --report` calls itself.
+pub(crate) const EXTRACT_SCHEMA: &str = "isokit.extract/1";
 
 /// What was not computed because no output needs it.
 #[derive(Debug, Serialize)]

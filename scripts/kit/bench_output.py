@@ -22,6 +22,7 @@ SECTIONS = {
     "index": "With an index",
     "bound": "Against the bound",
     "memory": "Memory",
+    "slabs": "Slice by slice",
     "growth": "Growth",
     "peers": "All peers",
 }

@@ -70,6 +70,25 @@ class Store:
         name = f"gyroid {n}" + (f" period {period:g}" if period else "")
         return self._formula(name, n, slices, dtype, 3.0)
 
+    def shell(self, dims: tuple[int, int, int]) -> Volume:
+        """A ball with a gyroid's waves of 64 samples on it, as u16: large, and rather sparse."""
+        nx, ny, nz = dims
+        path = self._path(f"shell {nx} {ny} {nz} uint16")
+        x, y, z = (np.arange(n, dtype=np.float32) for n in dims)
+        sin = [np.sin(axis * np.float32(np.pi / 32)) for axis in (x, y, z)]
+        cos = [np.cos(axis * np.float32(np.pi / 32)) for axis in (x, y, z)]
+        fixed = sin[0][None, :] * cos[1][:, None]  # indices are y, x
+        squares = [((axis - (n - 1) / 2) / n) ** 2 for axis, n in zip((x, y, z), dims, strict=True)]
+        plane = squares[0][None, :] + squares[1][:, None]
+        if not path.exists():
+            with path.open("wb") as file:
+                for k in range(nz):
+                    waves = fixed + sin[1][:, None] * cos[2][k] + cos[0][None, :] * sin[2][k]
+                    ball = 0.4 - np.sqrt(plane + squares[2][k])
+                    values = 32768 + 60000 * ball + 1000 * waves
+                    np.clip(np.rint(values), 0, 65535).astype(np.uint16).tofile(file)
+        return Volume(f"shell {nx} x {ny} x {nz}", dims, "u16", 32768.5, path)
+
     def nifti(self, name: str, relative: str, iso: float) -> Volume:
         """A real volume as it is stored."""
         import nibabel  # slow to import, and needed for real data only

@@ -2,7 +2,7 @@
 
 use super::{
     BoundaryArg, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg, PlacementArg,
-    SpaceArg, TopologyArg, VolumeArgs,
+    SpaceArg, TopologyArg, VolumeArgs, memory,
 };
 use clap::Args;
 use isokit::pipeline::Region;
@@ -16,6 +16,7 @@ Examples:
   isokit extract scan.raw --dims 256,256,128 --dtype u16be --spacing 0.7,0.7,1.2 \\
       --iso 900 -o tooth.ply
   isokit extract ct.nii.gz --iso auto -o bone.stl --report bone.json
+  isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
 
 Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`.")]
 pub(crate) struct ExtractArgs {
@@ -61,8 +62,12 @@ pub(crate) struct ExtractArgs {
     pub(crate) space: SpaceArg,
     /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Made
     /// when it is first asked for or the volume has changed; the mesh does not depend on it
-    #[arg(long, conflicts_with_all = ["roi", "roi_mm"], help_heading = "Speed")]
+    #[arg(long, conflicts_with_all = ["roi", "roi_mm", "max_memory"], help_heading = "Speed")]
     pub(crate) index: bool,
+    /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
+    /// the same. Not with --normals area, nor for -o - or NPY in Fortran order
+    #[arg(long, value_name = "SIZE", value_parser = memory::bytes)]
+    pub(crate) max_memory: Option<u64>,
     /// Write a report as JSON, to a file or to - for stdout
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,

@@ -63,7 +63,7 @@ fn options_common_to_all_stand_before_or_after_the_command() {
 
 #[test]
 fn what_is_not_built_is_not_accepted() {
-    for option in ["--max-memory 1GiB", "--keep largest", "--simplify 1", "--labels all"] {
+    for option in ["--keep largest", "--simplify 1", "--labels all"] {
         refused(&format!("extract a.nii --iso 1 -o a.glb {option}"), "unexpected argument");
     }
     refused("extract a.nii --iso 1 -o a.glb --topology trilinear", "invalid value 'trilinear'");

@@ -5,14 +5,15 @@ use crate::{
     Exit, Session,
     plan::{ExtractPlan, LevelPlan, Repeat, Stream},
     report::{
-        ExtractReport, MeshCounts, SurfaceReport, Timings, VolumeFacts, median, peak_rss_bytes,
-        simd, timed, to_json,
+        EXTRACT_SCHEMA, ExtractReport, MeshCounts, SurfaceReport, Timings, VolumeFacts, median,
+        peak_rss_bytes, simd, timed, to_json,
     },
     text::counted,
 };
 use anyhow::{Context, Result};
 use isokit::{
     io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
+    lanes::return_freed_memory,
     marching_cubes::Skipped,
     mesh::{Surface, TriMesh, topology},
     pipeline::{Index, IsoChoice, Scan},
@@ -20,7 +21,10 @@ use isokit::{
 use std::{io::Write, time::Instant};
 
 pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
-    let text = session.watching(|session| extract(plan, session))?;
+    let text = session.watching(|session| match plan.max_memory {
+        Some(limit) => super::slabs::extract(plan, limit, session),
+        None => extract(plan, session),
+    })?;
     match &plan.report {
         None => {}
         Some(Stream::Stdout) => session.out.write_all(text.as_bytes())?,
@@ -52,6 +56,15 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     }
     let written = timed(&mut timings.write, || write(plan, &scan, &surfaces, session))?;
     timings.total = start.elapsed().as_secs_f64();
+    tell_written(&written, &timings, session);
+    if plan.report.is_none() && !session.console.is_verbose() {
+        return Ok(String::new());
+    }
+    report(plan, &scan, &surfaces, &written, (skipped, timings), session)
+}
+
+/// Says where the mesh went, what is to be known about that, and how long steps took.
+pub(super) fn tell_written(written: &Written, timings: &Timings, session: &Session<'_, '_>) {
     written.warnings.iter().for_each(|warning| session.console.warn(warning));
     for file in &written.files {
         session.console.info(&format!("wrote {}", file.display()));
@@ -61,10 +74,6 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         "read {read:.3} s, index {index:.3} s, extract {extract:.3} s, write {write:.3} s, \
          total {total:.3} s"
     ));
-    if plan.report.is_none() && !session.console.is_verbose() {
-        return Ok(String::new());
-    }
-    report(plan, &scan, &surfaces, &written, (skipped, timings), session)
 }
 
 /// Gets the index and says where it is, if that is new.
@@ -111,7 +120,8 @@ fn meshes(
     }
     for _ in 0..runs {
         if !is_warm {
-            meshes = fresh(); // what the last run took goes back before the clock starts
+            meshes = fresh();
+            return_freed_memory(); // what the last run took goes back before the clock starts
         }
         let mut seconds = 0.0;
         skipped = timed(&mut seconds, || make(&mut meshes))?;
@@ -127,11 +137,18 @@ fn meshes(
 
 /// The meshes with what files say of them.
 fn surfaces(levels: &[LevelPlan], isos: &[f64], meshes: Vec<TriMesh>) -> Vec<Surface> {
-    let surface = |((level, &iso), mesh): ((&LevelPlan, &f64), TriMesh)| {
-        let name = level.name.clone().unwrap_or_else(|| format!("iso_{iso}"));
-        Surface { name, color: level.color, iso: Some(iso), mesh }
+    let surface = |((level, &iso), mesh): ((&LevelPlan, &f64), TriMesh)| Surface {
+        name: surface_name(level, iso),
+        color: level.color,
+        iso: Some(iso),
+        mesh,
     };
     levels.iter().zip(isos).zip(meshes).map(surface).collect()
+}
+
+/// The name that was chosen, or one after the isovalue.
+pub(super) fn surface_name(level: &LevelPlan, iso: f64) -> String {
+    level.name.clone().unwrap_or_else(|| format!("iso_{iso}"))
 }
 
 /// Says how large a surface is, and what is peculiar about it.
@@ -185,7 +202,7 @@ fn report(
         of_surfaces.push(SurfaceReport::of(surface, &found));
     }
     let report = ExtractReport {
-        schema: ExtractReport::SCHEMA,
+        schema: EXTRACT_SCHEMA,
         command: &session.command,
         input: VolumeFacts::of(&plan.input, scan, &scan.statistics(&session.job)?),
         surfaces: of_surfaces,

@@ -10,7 +10,7 @@ use isokit::{
     io::VolumeOptions,
     marching_cubes::ExtractOptions,
     mesh::Rgba,
-    pipeline::{IsoChoice, Region, SurfaceOptions, TargetSpace},
+    pipeline::{IsoChoice, Normals, Region, SurfaceOptions, TargetSpace},
 };
 use std::{num::NonZeroUsize, path::PathBuf};
 
@@ -27,6 +27,8 @@ pub(crate) struct ExtractPlan {
     pub(crate) index: bool,
     pub(crate) report: Option<TextTarget>,
     pub(crate) repeat: Repeat,
+    /// Bytes that the process may hold; then it works slice by slice.
+    pub(crate) max_memory: Option<u64>,
 }
 
 /// One surface.
@@ -69,6 +71,9 @@ impl ExtractPlan {
             (Some(times), None) => Repeat::Cold(times),
             (None, None) => Repeat::Once,
         };
+        if args.max_memory.is_some() {
+            check_slabs(&target, &surface, repeat)?;
+        }
         Ok(Self {
             volume: args.volume.options(),
             input: args.volume_file,
@@ -80,8 +85,30 @@ impl ExtractPlan {
             index: args.index,
             report,
             repeat,
+            max_memory: args.max_memory,
         })
     }
+}
+
+/// What does not fit together with slices that pass by.
+fn check_slabs(
+    target: &MeshTarget,
+    surface: &SurfaceOptions,
+    repeat: Repeat,
+) -> Result<(), UsageError> {
+    let says = match (&target.stream, surface.normals, repeat) {
+        (Stream::Stdout, ..) => {
+            "--max-memory needs a file, whose beginning is written last: name one with -o"
+        }
+        (_, Normals::Area, _) => {
+            "--normals area needs the whole mesh in memory: leave out either it or --max-memory"
+        }
+        (.., Repeat::Cold(_) | Repeat::Warm(_)) => {
+            "--repeat times an extraction in memory: leave out either it or --max-memory"
+        }
+        _ => return Ok(()),
+    };
+    Err(UsageError(says.into()))
 }
 
 /// Of several surfaces each gets a colour. A single one is left to the viewer.

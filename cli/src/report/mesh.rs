@@ -32,16 +32,23 @@ pub(crate) struct MeshCounts {
     pub(crate) bounds: Option<[[f64; 3]; 2]>,
 }
 
+/// What is known of a mesh that never was in memory as a whole.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct SlabCounts {
+    pub(crate) vertices: u64,
+    pub(crate) triangles: u64,
+}
+
 /// A surface in a report.
 #[derive(Debug, Serialize)]
-pub(crate) struct SurfaceReport {
+pub(crate) struct SurfaceReport<C = MeshCounts> {
     pub(crate) name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) iso: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) color: Option<String>,
     #[serde(flatten)]
-    pub(crate) counts: MeshCounts,
+    pub(crate) counts: C,
     /// What it lacks to be a surface that every program takes, in words; where that was asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) shortfalls: Option<Vec<String>>,

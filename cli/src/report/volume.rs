@@ -2,11 +2,11 @@
 
 use isokit::{
     io::Format,
-    pipeline::Scan,
-    volume::{AnyVolume, Statistics},
+    pipeline::{Scan, SlabScan},
+    volume::{Dtype, Grid, Scaling, Statistics},
 };
 use serde::Serialize;
-use std::path::Path;
+use std::{ops::Range, path::Path};
 
 /// A volume in a report.
 #[derive(Debug, Serialize)]
@@ -46,36 +46,46 @@ pub(crate) struct VolumeReport {
 
 impl VolumeFacts {
     pub(crate) fn of(path: &Path, scan: &Scan, statistics: &Statistics) -> Self {
+        let volume = scan.volume();
         let format = scan.format().map_or("memory", Format::name);
-        let part = scan.part().map(|range| [range.start as u64, range.end as u64]);
-        Self {
-            roi: scan.is_cropped().then_some(part),
-            range: statistics.range,
-            nan: statistics.nan,
-            infinite: statistics.infinite,
-            notes: scan.notes().to_vec(),
-            ..Self::of_header(path, format, scan.volume())
-        }
+        let lattice = (volume.grid(), volume.scaling(), volume.dtype());
+        let part = scan.is_cropped().then(|| scan.part());
+        let notes = scan.notes().to_vec();
+        Self { notes, ..Self::of_part(path, format, lattice, part, statistics) }
     }
 
-    fn of_header(path: &Path, format: &'static str, volume: &AnyVolume) -> Self {
-        let (grid, scaling) = (volume.grid(), volume.scaling());
+    /// The same of a scan that stays in its file.
+    pub(crate) fn of_slabs(path: &Path, scan: &SlabScan, statistics: &Statistics) -> Self {
+        let lattice = (scan.grid(), scan.scaling(), scan.dtype());
+        let part = scan.is_cropped().then(|| scan.part());
+        let notes = scan.notes().to_vec();
+        Self { notes, ..Self::of_part(path, scan.format().name(), lattice, part, statistics) }
+    }
+
+    fn of_part(
+        path: &Path,
+        format: &'static str,
+        (grid, scaling, dtype): (&Grid, Scaling, Dtype),
+        part: Option<[Range<usize>; 3]>,
+        statistics: &Statistics,
+    ) -> Self {
         let affine = grid.frame.index_to_world;
+        let ends = |range: Range<usize>| [range.start as u64, range.end as u64];
         Self {
             path: path.display().to_string(),
             format,
             dims: grid.dims(),
-            dtype: volume.dtype().name(),
+            dtype: dtype.name(),
             slope: scaling.slope(),
             intercept: scaling.intercept(),
             spacing: affine.spacing(),
             index_to_world: affine.rows(),
             unit: grid.frame.unit.to_string(),
             space: grid.frame.space.to_string(),
-            roi: None,
-            range: None,
-            nan: 0,
-            infinite: 0,
+            roi: part.map(|part| part.map(ends)),
+            range: statistics.range,
+            nan: statistics.nan,
+            infinite: statistics.infinite,
             notes: vec![],
         }
     }

@@ -8,4 +8,5 @@ mod index;
 mod info;
 mod kit;
 mod report;
+mod slabs;
 mod streams;

@@ -13,10 +13,12 @@ mod obj;
 mod ply;
 mod rounding;
 mod sound;
+mod spool;
 mod stl;
 mod stream;
 
 pub use input::{MeshInput, read_mesh};
+pub use spool::{MeshSpool, SpoolSink, SurfaceHead};
 
 use crate::{Format, Output, WriteError, WriteFault};
 use isokit_geom::{Space, Unit};

@@ -6,7 +6,7 @@
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
 //! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
-//! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues |
+//! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
@@ -18,6 +18,7 @@ mod iso;
 mod region;
 mod remark;
 mod scan;
+mod slab_scan;
 mod surface;
 mod target;
 
@@ -27,5 +28,6 @@ pub use iso::{IsoChoice, ParseIsoError};
 pub use region::{ParseRegionError, Region, RegionError, Span};
 pub use remark::Remark;
 pub use scan::Scan;
+pub use slab_scan::SlabScan;
 pub use surface::{Normals, SurfaceOptions};
 pub use target::{TargetSpace, UnknownSpace};

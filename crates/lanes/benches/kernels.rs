@@ -133,8 +133,8 @@ fn crossings(criterion: &mut Criterion) {
         reach: 0.5 - 1.0 / 1024.0,
         columns: unit,
         origin: [0.0; 3],
-        covectors: unit,
         first_slice: 0.0,
+        covectors: unit,
     };
     let mut edges = Edges::default();
     edges.begin(32);

@@ -1,4 +1,4 @@
-//! Large memory in large pages.
+//! Large memory: in large pages, and back to the system.
 //!
 //! The first touch of fresh memory costs more than most work done on it. A 2 MiB page is made with one
 //! fault instead of 512; systems that have them give them only where asked.
@@ -9,10 +9,9 @@ const WORTH_IT: usize = 1 << 20;
 /// Asks the system for large pages under memory that nobody has written yet. Elsewhere than on Linux,
 /// and for little memory, this does nothing; it never changes what the memory holds.
 pub fn prefer_large_pages<T>(memory: &mut [T]) {
-    let bytes = size_of_val(memory);
     #[cfg(target_os = "linux")]
-    if bytes >= WORTH_IT {
-        advise(memory.as_mut_ptr().cast(), bytes, libc::MADV_HUGEPAGE);
+    if size_of_val(memory) >= WORTH_IT {
+        advise(memory.as_mut_ptr().cast(), size_of_val(memory), libc::MADV_HUGEPAGE);
     }
 }
 
@@ -33,6 +32,28 @@ fn advise(start: *mut u8, bytes: usize, advice: libc::c_int) {
     // owns the rest of the first and the last. A system that does not know it answers with an error,
     // which is fine.
     unsafe { libc::madvise(start.wrapping_sub(before).cast(), whole, advice) };
+}
+
+/// Gives memory that was freed back to the system, which glibc does not do by itself below 64 MiB. Then
+/// what is allocated next is as fresh as in a new process. Elsewhere than on Linux with glibc this does
+/// nothing.
+pub fn return_freed_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: it touches free memory only, under the allocator's own locks.
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}
+
+/// From now on every large allocation has pages of its own, which go back to the system when it is
+/// freed: a process then holds no more than it uses. glibc otherwise learns to keep them. Elsewhere than
+/// on Linux with glibc this does nothing.
+pub fn return_large_memory_when_freed() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: it sets a number that the allocator reads, and it may be set at any time.
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 18);
+    }
 }
 
 #[cfg(test)]

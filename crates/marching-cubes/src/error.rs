@@ -52,6 +52,38 @@ pub enum ExtractError<E = Infallible> {
     Sink(E),
 }
 
+/// Why there is no surface of a volume that is read slice by slice: `R` is the source's own error, `E`
+/// the sink's.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SlabError<R, E = Infallible> {
+    /// The source has no slices.
+    #[error(transparent)]
+    Source(R),
+    /// The slices have no surface.
+    #[error(transparent)]
+    Extract(#[from] ExtractError<E>),
+}
+
+impl<E> ExtractError<E> {
+    /// The sink's error, or else the same error without a sink.
+    ///
+    /// # Errors
+    ///
+    /// If it is not the sink's.
+    pub fn into_sink(self) -> Result<E, ExtractError> {
+        Err(match self {
+            Self::Sink(error) => return Ok(error),
+            Self::Iso(iso) => ExtractError::Iso(iso),
+            Self::Nan { count, first } => ExtractError::Nan { count, first },
+            Self::TooLong { axis, size } => ExtractError::TooLong { axis, size },
+            Self::TooLarge { vertices, triangles } => {
+                ExtractError::TooLarge { vertices, triangles }
+            }
+            Self::Stopped(stopped) => ExtractError::Stopped(stopped),
+        })
+    }
+}
+
 impl<E> From<Cancelled> for ExtractError<E> {
     fn from(cancelled: Cancelled) -> Self {
         Self::Stopped(cancelled.into())

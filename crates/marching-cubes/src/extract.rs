@@ -9,7 +9,7 @@ use crate::{
 };
 use isokit_job::Job;
 use isokit_mesh::{Counts, MeshSink, Precision, TriMesh};
-use isokit_volume::{Sample, View};
+use isokit_volume::{Grid, Sample, View};
 use std::slice;
 
 /// What can be said of a surface that went into a sink.
@@ -96,7 +96,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     assert_eq!(isos.len(), sinks.len(), "one sink per isovalue");
     let source: Source<'_, T> = samples.into();
     let view = &source.view;
-    let (precision, margin) = precision(view, options);
+    let (precision, margin) = precision(&view.grid(), options);
     job.threads.run(|| {
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
@@ -107,10 +107,11 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             job.limits.probe("surface", bytes, 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
-                let placement = Placement::new(*view, iso, margin);
-                let winding = winding(view);
+                let placement = Placement::new(*view, iso, margin, 0.0);
+                let winding = Winding::of(view.frame());
                 let fill = Fill { planes: &planes, layout, placement, winding };
-                fill.piece(piece, options.layers_per_task.get(), job)?;
+                let slices = 0..planes.lattice.points[2];
+                fill.piece(slices, piece, options.layers_per_task.get(), job)?;
             }
             Ok(Extracted { counts, precision, margin, skipped })
         };
@@ -181,23 +182,18 @@ fn layout<E: Send>(
     Layout::new(planes, options.layers_per_task.get(), job).map(Some)
 }
 
-fn winding<T: Sample>(view: &View<'_, T>) -> Winding {
-    let mirrors = view.frame().index_to_world.determinant() < 0.0;
-    if mirrors { Winding::Turned } else { Winding::Kept }
-}
-
 /// What the caller chose, or f32 while it is exact enough, and the margin that then keeps vertices apart.
-fn precision<T: Sample>(view: &View<'_, T>, options: &ExtractOptions) -> (Precision, f64) {
+pub(crate) fn precision(grid: &Grid, options: &ExtractOptions) -> (Precision, f64) {
     /// What vertices keep from samples wherever rounding allows it.
     const USUAL: f64 = 1.0 / 1024.0;
     /// More would show.
     const GREATEST: f64 = 1.0 / 16.0;
-    let mut bounds = view.grid().bounds();
+    let affine = grid.frame.index_to_world;
+    let mut bounds = grid.bounds();
     if options.boundary == Boundary::Closed {
-        let reach = view.frame().index_to_world.spacing().iter().sum::<f64>() * GREATEST;
+        let reach = affine.spacing().iter().sum::<f64>() * GREATEST;
         bounds = bounds.with(bounds.min.map(|c| c - reach)).with(bounds.max.map(|c| c + reach));
     }
-    let affine = view.frame().index_to_world;
     // Four steps of the coordinate's type at the outermost place, in the shortest edge lengths.
     let needed = 4.0 * step_of_f32(bounds.reach()) / affine.least_stretch();
     let fits = needed <= GREATEST;
@@ -219,7 +215,8 @@ fn step_of_f32(value: f64) -> f64 {
     f64::from(value.next_up()) - f64::from(value)
 }
 
-fn output_bytes(counts: Counts, precision: Precision, normals: bool) -> Option<u64> {
+/// What so many vertices and triangles take. `None` if that cannot be counted.
+pub(crate) fn output_bytes(counts: Counts, precision: Precision, normals: bool) -> Option<u64> {
     let position = match precision {
         Precision::F32 => 12,
         Precision::F64 => 24,

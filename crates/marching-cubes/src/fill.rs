@@ -6,6 +6,7 @@ use crate::{
     planes::Planes,
     vertex::Placement,
 };
+use isokit_geom::Frame;
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
     BLOCK, Coordinate, Edges, FirstVertices, Word, prefer_large_pages, provide, triangles,
@@ -13,6 +14,7 @@ use isokit_lanes::{
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Which way round triangles go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +23,16 @@ pub(crate) enum Winding {
     Kept,
     /// The other way, since the frame mirrors.
     Turned,
+}
+
+impl Winding {
+    /// The one that keeps triangles counter-clockwise in a frame.
+    pub(crate) fn of(frame: &Frame) -> Self {
+        match frame.index_to_world.determinant() < 0.0 {
+            true => Self::Turned,
+            false => Self::Kept,
+        }
+    }
 }
 
 /// What there is to fill, and from what.
@@ -54,13 +66,15 @@ struct Queue {
 }
 
 impl<T: Sample> Fill<'_, T> {
-    /// Fills a piece that has exactly the layout's counts.
+    /// Fills a piece that has exactly the layout's counts for some slices.
     pub(crate) fn piece(
         &self,
+        slices: Range<usize>,
         piece: Piece<'_>,
         layers_per_task: usize,
         job: &Job,
     ) -> Result<(), Cancelled> {
+        let tasks = (slices, layers_per_task);
         let Piece { positions, mut normals, triangles } = piece;
         prefer_large_pages(triangles);
         if let Some(normals) = &mut normals {
@@ -69,26 +83,25 @@ impl<T: Sample> Fill<'_, T> {
         match positions {
             PositionsMut::F32(positions) => {
                 prefer_large_pages(positions);
-                self.slabs(Room { positions, normals }, triangles, layers_per_task, job)
+                self.slabs(tasks, Room { positions, normals }, triangles, job)
             }
             PositionsMut::F64(positions) => {
                 prefer_large_pages(positions);
-                self.slabs(Room { positions, normals }, triangles, layers_per_task, job)
+                self.slabs(tasks, Room { positions, normals }, triangles, job)
             }
         }
     }
 
     fn slabs<C: Coordinate>(
         &self,
+        (slices, layers_per_task): (Range<usize>, usize),
         mut room: Room<'_, C>,
         mut triangles: &mut [[u32; 3]],
-        layers_per_task: usize,
         job: &Job,
     ) -> Result<(), Cancelled> {
-        let slices = self.planes.lattice.points[2];
         let mut tasks = vec![];
-        for first in (0..slices).step_by(layers_per_task) {
-            let end = slices.min(first.saturating_add(layers_per_task));
+        for first in slices.clone().step_by(layers_per_task) {
+            let end = slices.end.min(first.saturating_add(layers_per_task));
             let [before, after] = [self.layout.slices[first], self.layout.slices[end]];
             let vertices = (after.vertices - before.vertices) as usize;
             let own = (after.triangles - before.triangles) as usize;

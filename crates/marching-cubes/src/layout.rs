@@ -21,6 +21,13 @@ use std::ops::Range;
 /// first of each. Triangles are numbered from the slice's first.
 pub(crate) use isokit_lanes::RowCounts as Row;
 
+/// Slices of the lattice, and what lies before the first of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub(crate) slices: Range<usize>,
+    pub(crate) before: Counts,
+}
+
 /// The number of the first vertex and triangle of every slice and row.
 #[derive(Debug)]
 pub(crate) struct Layout {
@@ -37,8 +44,21 @@ impl Layout {
         layers_per_task: usize,
         job: &Job,
     ) -> Result<Self, ExtractError<E>> {
+        let part = Part { slices: 0..planes.lattice.points[2], before: Counts::default() };
+        Self::part(planes, &part, layers_per_task, job)
+    }
+
+    /// The same for some slices. Of the slice after them, which their triangles look up to, only the
+    /// vertices along x and y are counted.
+    pub(crate) fn part<E: Send>(
+        planes: &Planes,
+        part: &Part,
+        layers_per_task: usize,
+        job: &Job,
+    ) -> Result<Self, ExtractError<E>> {
         let lattice = planes.lattice;
         let [_, ny, _] = lattice.points;
+        let Part { slices: own, before } = part;
         let live = planes.missing.as_ref().map(|missing| LiveCells::new(lattice, missing));
         let mut rows: Vec<Row> = job.limits.zeroed("rows", lattice.rows())?;
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
@@ -48,24 +68,36 @@ impl Layout {
             let slices = slab.chunks_exact_mut(ny).enumerate();
             let counts = slices.map(|(n, slice)| {
                 let z = task * layers_per_task + n;
+                if z < own.start || z > own.end {
+                    return Counts::default();
+                }
+                let counts = count_slice(planes, live.as_ref(), z, slice, &mut scratch);
+                if z == own.end {
+                    slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
+                    return Counts::default();
+                }
                 job.progress.advance(1);
-                count_slice(planes, live.as_ref(), z, slice, &mut scratch)
+                counts
             });
             Ok(counts.collect::<Vec<Counts>>())
         });
         let counted = counted.collect::<Result<Vec<_>, Cancelled>>()?.concat();
-        let slices = running_sum(&counted);
+        let slices = running_sum(*before, &counted);
         let whole = slices[counted.len()];
         let widest = counted.iter().map(|slice| slice.triangles).max().unwrap_or(0);
         if whole.vertices > u32::MAX.into() || widest > u32::MAX.into() {
             let Counts { vertices, triangles } = whole;
             return Err(ExtractError::TooLarge { vertices, triangles });
         }
-        let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(slices.par_windows(2));
-        // No triangle names an edge of a slice without. No number exceeds the total, which fits.
-        slices_of_rows.filter(|(_, ends)| ends[0] != ends[1]).for_each(|(slice, ends)| {
-            number_rows(slice, ends[0].vertices as u32);
-        });
+        let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(slices.par_windows(2)).enumerate();
+        // No triangle names an edge of a slice without, unless it is that after the last own one. No number
+        // exceeds the total, which fits.
+        let is_named = |z: usize, ends: &[Counts]| ends[0] != ends[1] || z == own.end;
+        slices_of_rows.filter(|(z, (_, ends))| is_named(*z, ends)).for_each(
+            |(_, (slice, ends))| {
+                number_rows(slice, ends[0].vertices as u32);
+            },
+        );
         Ok(Self { rows, slices, live })
     }
 
@@ -150,8 +182,8 @@ fn count_slice(
 }
 
 /// What lies before each slice, and after the last.
-fn running_sum(slices: &[Counts]) -> Vec<Counts> {
-    let mut sum = Counts::default();
+fn running_sum(before: Counts, slices: &[Counts]) -> Vec<Counts> {
+    let mut sum = before;
     let mut sums = vec![sum];
     for slice in slices {
         sum.vertices += slice.vertices;

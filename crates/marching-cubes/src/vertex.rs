@@ -34,7 +34,8 @@ pub(crate) struct Placement<'a, T> {
 
 impl<'a, T: Sample> Placement<'a, T> {
     /// `margin` is the least distance that a vertex keeps from both ends of its edge, in edge lengths.
-    pub(crate) fn new(view: View<'a, T>, iso: f64, margin: f64) -> Self {
+    /// `first_slice` is the number of the view's first slice in the volume that the frame is of.
+    pub(crate) fn new(view: View<'a, T>, iso: f64, margin: f64, first_slice: f64) -> Self {
         let affine = view.frame().index_to_world;
         let field = Field {
             iso,
@@ -43,8 +44,8 @@ impl<'a, T: Sample> Placement<'a, T> {
             reach: 0.5 - margin,
             columns: affine.columns(),
             origin: affine.origin(),
+            first_slice,
             covectors: affine.covector_columns(),
-            first_slice: 0.0,
         };
         Self { samples: view.samples(), view, field }
     }
@@ -97,14 +98,14 @@ impl<'a, T: Sample> Placement<'a, T> {
         let ends = [low, high].map(|ijk| (ijk[axis] < size).then_some(ijk));
         let values = ends.map(|end| end.map(|ijk| self.view.value(ijk)));
         let delta = delta(values, self.field.iso).clamp(-self.field.reach, self.field.reach);
-        let low = low.map(|i| i as isize as f64);
+        let mut low = low.map(|i| i as isize as f64);
+        low[2] += self.field.first_slice;
         Cut { axis, low, ends, values, delta }
     }
 
     /// The position of a cut in world space.
     fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
         let mut ijk = cut.low;
-        ijk[2] += self.field.first_slice;
         ijk[cut.axis] = ijk[cut.axis] + 0.5 + cut.delta;
         self.field.world(ijk).map(C::round)
     }
@@ -261,7 +262,7 @@ mod tests {
             (0..3).map(|k| xyz[k] * slope[k]).sum::<f64>()
         };
         let volume = Volume::new(grid, (0..64).map(value).collect::<Vec<f64>>()).unwrap();
-        let placement = Placement::new(volume.view(), value(0).midpoint(value(1)), 0.0);
+        let placement = Placement::new(volume.view(), value(0).midpoint(value(1)), 0.0, 0.0);
         let cut = placement.cut(0, [0, 0, 0]);
         let length = slope.iter().map(|c| c * c).sum::<f64>().sqrt();
         for (found, part) in placement.normal(&cut).into_iter().zip(slope) {
@@ -293,7 +294,7 @@ mod tests {
             (state >> 40) as f32 / 1e5 - 80.0
         };
         let volume = Volume::new(grid, (0..8000).map(&mut chance).collect::<Vec<f32>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0.0, 0.0);
+        let placement = Placement::new(volume.view(), 0.0, 0.0, 0.0);
         let mut compared = 0;
         for (axis, y) in (0..3).flat_map(|axis| (0..19).map(move |y| (axis, y))) {
             let mut edges = Edges::default();
@@ -323,7 +324,7 @@ mod tests {
         let grid = Grid::new([4, 4, 4], Frame::default()).unwrap();
         let checker = |n: usize| if (n + n / 4 + n / 16) % 2 == 1 { -1.0 } else { 1.0 };
         let volume = Volume::new(grid, (0..64).map(checker).collect::<Vec<f32>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0.0, 0.0);
+        let placement = Placement::new(volume.view(), 0.0, 0.0, 0.0);
         assert_eq!(placement.normal(&placement.cut(1, [1, 1, 1])), [0.0, -1.0, 0.0]);
         assert_eq!(placement.normal(&placement.cut(1, [2, 1, 1])), [0.0, 1.0, 0.0]);
     }

@@ -1,6 +1,6 @@
 //! How often each value occurs.
 
-use crate::{Sample, Statistics, View};
+use crate::{Sample, Scaling, Statistics, View};
 use isokit_job::{Cancelled, Job};
 use rayon::prelude::*;
 
@@ -33,8 +33,15 @@ impl Histogram {
         statistics: &Statistics,
         job: &Job,
     ) -> Result<Option<Self>, Cancelled> {
-        let Some([least, greatest]) = finite_range(view, statistics) else { return Ok(None) };
-        let step = view.scaling().slope().abs();
+        let Some(range) = finite_range(view, statistics) else { return Ok(None) };
+        let mut histogram = Self::empty::<T>(range, view.scaling());
+        histogram.count(view, job)?;
+        Ok(Some(histogram))
+    }
+
+    /// The bins for finite values in a range.
+    pub(crate) fn empty<T: Sample>([least, greatest]: [f64; 2], scaling: Scaling) -> Self {
+        let step = scaling.slope().abs();
         let whole = T::DTYPE.is_integer() && (greatest - least) / step < WHOLE_BINS;
         // Half of each end first: the difference of two finite values may not be finite.
         let span = (greatest / 2.0 - least / 2.0).min(f64::MAX / 4.0) * 2.0;
@@ -46,12 +53,15 @@ impl Histogram {
                 (least + width / 2.0, width, BINS)
             }
         };
-        let mut histogram = Self { first, width, counts: vec![0; bins] };
-        histogram.count(view, job)?;
-        Ok(Some(histogram))
+        Self { first, width, counts: vec![0; bins] }
     }
 
-    fn count<T: Sample>(&mut self, view: &View<'_, T>, job: &Job) -> Result<(), Cancelled> {
+    /// Counts every sample once.
+    pub(crate) fn count<T: Sample>(
+        &mut self,
+        view: &View<'_, T>,
+        job: &Job,
+    ) -> Result<(), Cancelled> {
         let [_, ny, nz] = view.dims();
         let (first, per_width, last) = (self.first, 1.0 / self.width, self.counts.len() - 1);
         let of_slices = |slices: &[usize]| {
@@ -108,8 +118,11 @@ impl Histogram {
     }
 }
 
-/// The least and greatest finite value. Infinities are rare: only then is every sample asked again.
-fn finite_range<T: Sample>(view: &View<'_, T>, statistics: &Statistics) -> Option<[f64; 2]> {
+/// The least and greatest finite value, if any. Infinities are rare: only then is every sample asked again.
+pub(crate) fn finite_range<T: Sample>(
+    view: &View<'_, T>,
+    statistics: &Statistics,
+) -> Option<[f64; 2]> {
     if statistics.infinite == 0 {
         return statistics.range;
     }

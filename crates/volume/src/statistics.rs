@@ -52,6 +52,28 @@ impl Statistics {
     }
 }
 
+impl Statistics {
+    /// Of no sample.
+    pub(crate) const EMPTY: Self = Self { range: None, nan: 0, first_nan: None, infinite: 0 };
+
+    /// What holds of these slices and those that follow them, `slices` of which came before.
+    pub(crate) fn then(self, later: Self, slices: usize) -> Self {
+        let range = match (self.range, later.range) {
+            (Some([a, b]), Some([c, d])) => {
+                Some([if c < a { c } else { a }, if d > b { d } else { b }])
+            }
+            (a, b) => a.or(b),
+        };
+        let first_nan = later.first_nan.map(|[i, j, k]| [i, j, k + slices]);
+        Self {
+            range,
+            nan: self.nan + later.nan,
+            first_nan: self.first_nan.or(first_nan),
+            infinite: self.infinite + later.infinite,
+        }
+    }
+}
+
 impl<T: Sample> Part<T> {
     const EMPTY: Self = Self { least: None, greatest: None, nan: 0, first_nan: None, infinite: 0 };
 

@@ -161,6 +161,17 @@ impl VolumeFile {
         &self.notes
     }
 
+    /// Whether the samples of a slice lie together, so that slices can be read one after another. Those
+    /// of NPY files in Fortran order are spread over the whole file.
+    pub fn has_slices(&self) -> bool {
+        self.stored.order == Order::XFastest
+    }
+
+    /// The same file, read as part of another job.
+    pub fn with_job(self, job: &Job) -> Self {
+        Self { job: job.clone(), ..self }
+    }
+
     /// The samples, slice by slice.
     ///
     /// # Errors
@@ -189,10 +200,9 @@ impl VolumeFile {
         })
     }
 
-    fn collect_as<T: Sample>(mut self, job: &Job) -> Result<Volume<T>, ReadError> {
-        self.job = job.clone();
+    fn collect_as<T: Sample>(self, job: &Job) -> Result<Volume<T>, ReadError> {
         let (grid, scaling, order) = (self.grid, self.scaling, self.stored.order);
-        let mut source = self.into_source::<T>()?;
+        let mut source = self.with_job(job).into_source::<T>()?;
         if order == Order::XFastest {
             return collect(&mut source, job);
         }

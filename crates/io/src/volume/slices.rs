@@ -34,6 +34,13 @@ impl<T: Sample> FileSlices<T> {
         Self { file, reader: None, done: 0, turned: vec![] }
     }
 
+    /// Goes past slices without looking at them; in a file that is not packed without reading them. There
+    /// must be so many.
+    pub fn skip(&mut self, slices: u64) {
+        self.done += slices * self.file.grid.slice_count();
+        self.reader = None;
+    }
+
     /// All samples of a file that has z fastest, x fastest.
     pub(super) fn turn(&mut self, job: &Job) -> Result<Vec<T>, ReadError> {
         let count = self.file.grid.count();
@@ -189,8 +196,9 @@ impl<T: Sample> SlabSource<T> for FileSlices<T> {
         }
         if self.turned.is_empty() {
             let job = self.file.job.clone();
+            let done = std::mem::take(&mut self.done);
             self.turned = self.turn(&job)?;
-            self.done = 0;
+            self.done = done;
         }
         let start = self.done as usize;
         slices.copy_from_slice(&self.turned[start..start + slices.len()]);

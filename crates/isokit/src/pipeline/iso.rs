@@ -1,5 +1,8 @@
 //! How an isovalue is chosen.
 
+use crate::pipeline::PipelineError;
+use isokit_job::Job;
+use isokit_volume::{Histogram, Statistics};
 use std::{fmt, str::FromStr};
 
 /// An isovalue, or how to find one.
@@ -11,6 +14,48 @@ pub enum IsoChoice {
     Auto,
     /// So many hundredths of the way from the least finite value to the greatest.
     Percent(f64),
+}
+
+/// What samples tell of themselves.
+pub(super) trait Facts {
+    /// Range and NaN.
+    fn statistics(&self, job: &Job) -> Result<Statistics, PipelineError>;
+
+    /// How often each value occurs; `None` if none is finite.
+    fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, PipelineError>;
+}
+
+impl IsoChoice {
+    /// The isovalue that was meant.
+    pub(super) fn find(self, facts: &impl Facts, job: &Job) -> Result<f64, PipelineError> {
+        let none = |reason| PipelineError::Iso { choice: self, reason };
+        match self {
+            Self::Value(iso) => Ok(iso),
+            Self::Auto => {
+                let histogram = facts.histogram(job)?.ok_or(none("no sample is finite"))?;
+                histogram.otsu().ok_or(none("all samples have one value"))
+            }
+            Self::Percent(percent) => {
+                let range = finite_range(facts, job)?.ok_or(none("no sample is finite"))?;
+                let part = percent / 100.0;
+                // The difference of two finite values may not be finite.
+                Ok(range[0] * (1.0 - part) + range[1] * part)
+            }
+        }
+    }
+}
+
+fn finite_range(facts: &impl Facts, job: &Job) -> Result<Option<[f64; 2]>, PipelineError> {
+    let statistics = facts.statistics(job)?;
+    if statistics.infinite == 0 {
+        return Ok(statistics.range);
+    }
+    // Infinite samples are in no bin; those that are in one reach half a bin beyond its middle.
+    Ok(facts.histogram(job)?.map(|histogram| {
+        let half = histogram.width / 2.0;
+        let last = histogram.middle(histogram.counts.len() - 1);
+        [histogram.first - half, last + half]
+    }))
 }
 
 /// Not an isovalue.

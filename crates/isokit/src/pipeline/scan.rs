@@ -2,7 +2,7 @@
 
 use crate::pipeline::{
     Index, IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions,
-    TargetSpace, UnknownSpace, index,
+    TargetSpace, UnknownSpace, index, iso::Facts,
 };
 use isokit_geom::Frame;
 use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
@@ -162,33 +162,7 @@ impl Scan {
     ///
     /// If the samples give none, or if the job is cancelled.
     pub fn iso(&self, choice: IsoChoice, job: &Job) -> Result<f64, PipelineError> {
-        let none = |reason| PipelineError::Iso { choice, reason };
-        match choice {
-            IsoChoice::Value(iso) => Ok(iso),
-            IsoChoice::Auto => {
-                let histogram = self.histogram(job)?.ok_or(none("no sample is finite"))?;
-                histogram.otsu().ok_or(none("all samples have one value"))
-            }
-            IsoChoice::Percent(percent) => {
-                let range = self.finite_range(job)?.ok_or(none("no sample is finite"))?;
-                let part = percent / 100.0;
-                // The difference of two finite values may not be finite.
-                Ok(range[0] * (1.0 - part) + range[1] * part)
-            }
-        }
-    }
-
-    fn finite_range(&self, job: &Job) -> Result<Option<[f64; 2]>, Cancelled> {
-        let statistics = self.statistics(job)?;
-        if statistics.infinite == 0 {
-            return Ok(statistics.range);
-        }
-        // Infinite samples are in no bin; those that are in one reach half a bin beyond its middle.
-        Ok(self.histogram(job)?.map(|histogram| {
-            let half = histogram.width / 2.0;
-            let last = histogram.middle(histogram.counts.len() - 1);
-            [histogram.first - half, last + half]
-        }))
+        choice.find(self, job)
     }
 
     /// Finds out where in the volume which values occur, so that surfaces are made sooner: the same, byte
@@ -266,7 +240,7 @@ impl Scan {
         let extracted = for_any!(&self.volume, volume => {
             extract_many(self.source(volume), isos, &options.extract, &mut sinks, job)
         });
-        let extracted = extracted.map_err(|error| self.in_whole(error))?;
+        let extracted = extracted.map_err(|error| in_whole(error, &self.part))?;
         drop(sinks);
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
@@ -304,16 +278,26 @@ impl Scan {
         let known = bricks.and_then(|bricks| Source::with_bricks(&view, bricks));
         known.unwrap_or(Source::from(&view))
     }
+}
 
-    /// The same error with sample numbers of the whole volume instead of the part.
-    fn in_whole(&self, error: ExtractError) -> ExtractError {
-        match error {
-            ExtractError::Nan { count, first } => {
-                let first = std::array::from_fn(|axis| first[axis] + self.part[axis].start);
-                ExtractError::Nan { count, first }
-            }
-            other => other,
+impl Facts for Scan {
+    fn statistics(&self, job: &Job) -> Result<Statistics, PipelineError> {
+        Ok(self.statistics(job)?)
+    }
+
+    fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, PipelineError> {
+        Ok(self.histogram(job)?)
+    }
+}
+
+/// The same error with sample numbers of the whole volume instead of the part.
+pub(super) fn in_whole(error: ExtractError, part: &[Range<usize>; 3]) -> ExtractError {
+    match error {
+        ExtractError::Nan { count, first } => {
+            let first = std::array::from_fn(|axis| first[axis] + part[axis].start);
+            ExtractError::Nan { count, first }
         }
+        other => other,
     }
 }
 

@@ -1,0 +1,170 @@
+//! `extract --max-memory`: from a volume to a mesh, a few slices at a time.
+
+use super::extract::surface_name;
+use crate::{
+    Session,
+    fault::CallerError,
+    plan::{ExtractPlan, LevelPlan, Stream},
+    report::{
+        EXTRACT_SCHEMA, ExtractReport, SlabCounts, SurfaceReport, Timings, VolumeFacts,
+        peak_rss_bytes, simd, timed, to_json,
+    },
+    text::counted,
+};
+use anyhow::Result;
+use isokit::{
+    io::{MeshContext, MeshSpool, SurfaceHead, Written},
+    job::{OverLimit, Stopped},
+    lanes::return_large_memory_when_freed,
+    marching_cubes::{Budget, Extracted, Skipped},
+    pipeline::{IsoChoice, PipelineError, SlabScan},
+};
+use std::{path::Path, time::Instant};
+
+/// What the process takes beside the extraction: the program itself, its threads, buffers of files.
+const BASE: u64 = 40 << 20;
+
+/// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
+pub(super) fn extract(
+    plan: &ExtractPlan,
+    limit: u64,
+    session: &mut Session<'_, '_>,
+) -> Result<String> {
+    let (start, mut timings) = (Instant::now(), Timings::default());
+    return_large_memory_when_freed();
+    let is_told = plan.report.is_some() || session.console.is_verbose();
+    let scan = timed(&mut timings.read, || {
+        SlabScan::open(&plan.input, &plan.volume, plan.space, &plan.region, &session.job)
+    })?;
+    let scan = if is_told { scan.observed() } else { scan };
+    scan.notes().iter().for_each(|note| session.console.note(note));
+    let budget = budget(plan, limit, &scan)?;
+    let isos = timed(&mut timings.read, || isos(plan, &scan, session))?;
+    let heads = heads(&plan.levels, &isos);
+    let Stream::File(path) = &plan.target.stream else {
+        unreachable!("the plan has a file");
+    };
+    let mut spool = timed(&mut timings.write, || create(plan, path, &heads, &scan, session))?;
+    let found = timed(&mut timings.extract, || {
+        let found = scan.meshes_into(&isos, &plan.surface, budget, &mut spool, &session.job);
+        found.map_err(explained)
+    })?;
+    for (head, extracted) in heads.iter().zip(&found) {
+        tell(plan, &scan, (head, extracted), session)?;
+    }
+    let written = timed(&mut timings.write, || spool.finish())?;
+    timings.total = start.elapsed().as_secs_f64();
+    super::extract::tell_written(&written, &timings, session);
+    if !is_told {
+        return Ok(String::new());
+    }
+    report(plan, &scan, (&heads, &found), &written, timings, session)
+}
+
+/// What may be in memory at a time.
+fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan) -> Result<Budget> {
+    let left = limit.saturating_sub(BASE);
+    let budget = scan.budget(left, plan.levels.len(), &plan.surface);
+    Ok(budget.map_err(|over| {
+        let needed = over.needed.saturating_add(BASE).div_ceil(1 << 20);
+        let message = format!("--max-memory is too little: four slices need {needed}MiB in all");
+        CallerError { message, advice: "allow as much, or take a part of each slice with --roi" }
+    })?)
+}
+
+/// An error with what can be done about too little memory.
+fn explained(error: PipelineError) -> anyhow::Error {
+    let PipelineError::Stopped(Stopped::OverLimit(over)) = error else { return error.into() };
+    let OverLimit { what, needed, limit } = over;
+    let message = format!("--max-memory is too little: {what} needs {needed} bytes of {limit}");
+    CallerError { message, advice: "allow more, or take a part of each slice with --roi" }.into()
+}
+
+/// The isovalues that were meant. What was chosen for the user is told.
+fn isos(plan: &ExtractPlan, scan: &SlabScan, session: &Session<'_, '_>) -> Result<Vec<f64>> {
+    let iso = |level: &LevelPlan| {
+        let iso = scan.iso(level.iso, &session.job)?;
+        if !matches!(level.iso, IsoChoice::Value(_)) {
+            session.console.note(&format!("--iso {} is {iso} here", level.iso));
+        }
+        Ok(iso)
+    };
+    plan.levels.iter().map(iso).collect()
+}
+
+fn heads(levels: &[LevelPlan], isos: &[f64]) -> Vec<SurfaceHead> {
+    let head = |(level, &iso): (&LevelPlan, &f64)| SurfaceHead {
+        name: surface_name(level, iso),
+        color: level.color,
+        iso: Some(iso),
+    };
+    levels.iter().zip(isos).map(head).collect()
+}
+
+fn create(
+    plan: &ExtractPlan,
+    path: &Path,
+    heads: &[SurfaceHead],
+    scan: &SlabScan,
+    session: &Session<'_, '_>,
+) -> Result<MeshSpool> {
+    let context =
+        MeshContext { gltf_unit: plan.target.gltf_unit, ..scan.context(session.command.as_str()) };
+    let normals = SlabScan::has_normals(&plan.surface);
+    Ok(MeshSpool::create(path, heads.to_vec(), normals, &context, &session.job)?)
+}
+
+/// Says how large a surface is, and what is peculiar about it.
+fn tell(
+    plan: &ExtractPlan,
+    scan: &SlabScan,
+    (head, Extracted { counts, .. }): (&SurfaceHead, &Extracted),
+    session: &Session<'_, '_>,
+) -> Result<()> {
+    let vertices = counted(counts.vertices, "vertex", "vertices");
+    let triangles = counted(counts.triangles, "triangle", "triangles");
+    session.console.info(&format!("{}: {vertices}, {triangles}", head.name));
+    let iso = head.iso.unwrap_or(f64::NAN);
+    let remark = scan.remark(iso, *counts, &plan.surface, &session.job)?;
+    remark.iter().for_each(|remark| session.console.warn(&remark.to_string()));
+    Ok(())
+}
+
+fn report(
+    plan: &ExtractPlan,
+    scan: &SlabScan,
+    (heads, found): (&[SurfaceHead], &[Extracted]),
+    written: &Written,
+    timings_s: Timings,
+    session: &Session<'_, '_>,
+) -> Result<String> {
+    let of_surface = |(head, extracted): (&SurfaceHead, &Extracted)| SurfaceReport {
+        name: head.name.clone(),
+        iso: head.iso,
+        color: head.color.map(|color| color.to_string()),
+        counts: SlabCounts {
+            vertices: extracted.counts.vertices,
+            triangles: extracted.counts.triangles,
+        },
+        shortfalls: None,
+    };
+    let statistics = scan.statistics(&session.job)?;
+    let slices = scan.part()[2].len() as u64;
+    let report = ExtractReport {
+        schema: EXTRACT_SCHEMA,
+        command: &session.command,
+        input: VolumeFacts::of_slabs(&plan.input, scan, &statistics),
+        surfaces: heads.iter().zip(found).map(of_surface).collect(),
+        outputs: &written.files,
+        warnings: &written.warnings,
+        merged_vertices: written.merged_vertices,
+        skipped: Skipped { samples_read: slices * scan.grid().slice_count(), ..Skipped::default() }
+            .into(),
+        timings_s,
+        threads: session.job.threads.count(),
+        simd: simd(),
+        peak_rss_bytes: peak_rss_bytes(),
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    Ok(to_json(&report)?)
+}

@@ -1,0 +1,278 @@
+//! A volume on its way to a mesh, of which a few slices are in memory at a time.
+
+mod part;
+
+use crate::pipeline::{
+    IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace, iso::Facts,
+    scan::in_whole,
+};
+use isokit_geom::Frame;
+use isokit_io::{
+    Format, MeshContext, ReadError, ReadFault, VolumeFile, VolumeOptions, open_volume,
+};
+use isokit_job::{Job, OverLimit};
+use isokit_marching_cubes::{Budget, ExtractError, Extracted, SlabError, Slabs, extract_slabs};
+use isokit_mesh::{Counts, MeshSinks};
+use isokit_volume::{Dtype, Grid, Histogram, Observed, Sample, Scaling, Statistics, for_dtype};
+use part::PartSlices;
+use std::{ops::Range, path::Path, sync::OnceLock};
+
+/// A [`Scan`](crate::pipeline::Scan) that stays in its file: each look at the samples reads them again.
+/// Meshes are the same.
+#[derive(Clone, Debug)]
+pub struct SlabScan {
+    file: VolumeFile,
+    /// The whole lattice, where it was wanted.
+    whole: Grid,
+    part: [Range<usize>; 3],
+    /// Whether extractions look for range and NaN by the way.
+    is_observed: bool,
+    statistics: OnceLock<Statistics>,
+    histogram: OnceLock<Option<Histogram>>,
+}
+
+impl SlabScan {
+    /// Opens a scan in a file, and reads no sample.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, is not what the caller thinks it is, or has no slices that could be
+    /// read one after another.
+    pub fn open(
+        path: &Path,
+        options: &VolumeOptions,
+        space: TargetSpace,
+        region: &Region,
+        job: &Job,
+    ) -> Result<Self, PipelineError> {
+        let file = open_volume(path, options, job)?;
+        if !file.has_slices() {
+            let says = "the samples are z fastest (Fortran order), so no slice can be read alone: \
+                        convert the file to .nrrd first, or read all of it into memory";
+            return Err(ReadFault::Caller(says.into()).at(path).into());
+        }
+        let mut whole = *file.grid();
+        whole.frame = space.place(whole.frame)?;
+        let part = region.samples(&whole)?;
+        let part = part.map(|range| range.start as usize..range.end as usize);
+        let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { file, whole, part, is_observed: false, statistics, histogram })
+    }
+
+    /// The same scan, with range and NaN looked for by the way in the next extraction.
+    pub fn observed(self) -> Self {
+        Self { is_observed: true, ..self }
+    }
+
+    /// The whole lattice, of which a part may be looked at.
+    pub fn grid(&self) -> &Grid {
+        &self.whole
+    }
+
+    /// The type of the samples.
+    pub fn dtype(&self) -> Dtype {
+        self.file.dtype()
+    }
+
+    /// What a stored sample means.
+    pub fn scaling(&self) -> Scaling {
+        self.file.scaling()
+    }
+
+    /// The samples that are looked at, along x, y, z.
+    pub fn part(&self) -> [Range<usize>; 3] {
+        self.part.clone()
+    }
+
+    /// Whether not all samples are looked at.
+    pub fn is_cropped(&self) -> bool {
+        self.part.iter().zip(self.whole.dims()).any(|(part, n)| part.len() as u64 != n)
+    }
+
+    /// Index space of the whole volume to world space.
+    pub fn frame(&self) -> &Frame {
+        &self.whole.frame
+    }
+
+    /// What a file says of the world of this scan's meshes, and of the command that made them.
+    pub fn context(&self, command: impl Into<String>) -> MeshContext {
+        let (unit, space) = (self.frame().unit, self.frame().space);
+        MeshContext { unit, space, command: command.into(), gltf_unit: None }
+    }
+
+    /// What the file is.
+    pub fn format(&self) -> Format {
+        self.file.format()
+    }
+
+    /// What was assumed, overridden or ignored, each a sentence for the user.
+    pub fn notes(&self) -> &[String] {
+        self.file.notes()
+    }
+
+    /// Range and NaN of the part. Looked for once.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or the job is cancelled.
+    pub fn statistics(&self, job: &Job) -> Result<Statistics, PipelineError> {
+        if let Some(known) = self.statistics.get() {
+            return Ok(*known);
+        }
+        let found = for_dtype!(self.dtype(), T => {
+            Statistics::of_slices(self.source::<T>(job)?, job)
+        })?;
+        Ok(*self.statistics.get_or_init(|| found))
+    }
+
+    /// How often each value occurs in the part; `None` if none is finite. Counted once.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or the job is cancelled.
+    pub fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, PipelineError> {
+        if let Some(known) = self.histogram.get() {
+            return Ok(known.as_ref());
+        }
+        let range = self.statistics(job)?;
+        let found = for_dtype!(self.dtype(), T => {
+            Histogram::of_slices(|| self.source::<T>(job), &range, job)
+        })?;
+        Ok(self.histogram.get_or_init(|| found).as_ref())
+    }
+
+    /// The isovalue that was meant.
+    ///
+    /// # Errors
+    ///
+    /// If the samples give none, if the file cannot be read, or if the job is cancelled.
+    pub fn iso(&self, choice: IsoChoice, job: &Job) -> Result<f64, PipelineError> {
+        choice.find(self, job)
+    }
+
+    /// What of an extraction is in memory at a time, for so many bytes in all.
+    ///
+    /// # Errors
+    ///
+    /// If those do not suffice. What is needed then suffices.
+    pub fn budget(
+        &self,
+        bytes: u64,
+        surfaces: usize,
+        options: &SurfaceOptions,
+    ) -> Result<Budget, OverLimit> {
+        // Of a file whose rows are cut off, one slice is read whole.
+        let slice = match self.is_row_cut() {
+            true => self.whole.slice_count().saturating_mul(self.dtype().bytes() as u64),
+            false => 0,
+        };
+        let of = (&self.part_grid(), self.dtype());
+        let left = bytes.saturating_sub(slice);
+        Budget::within(left, of, surfaces, &options.extract).map_err(|over| OverLimit {
+            needed: over.needed.saturating_add(slice),
+            limit: bytes,
+            ..over
+        })
+    }
+
+    /// The surfaces where the value is one of `isos`, each handed to its sink piece by piece, in one pass
+    /// over the file. [`Normals::Area`] are made as if there were to be none: whoever has the whole mesh
+    /// can add them.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, if a sink fails, and as [`Scan::mesh`](crate::pipeline::Scan::mesh).
+    pub fn meshes_into<S>(
+        &self,
+        isos: &[f64],
+        options: &SurfaceOptions,
+        budget: Budget,
+        sinks: &mut S,
+        job: &Job,
+    ) -> Result<Vec<Extracted>, PipelineError>
+    where
+        S: MeshSinks<Error: Into<PipelineError> + Send> + Send,
+    {
+        let slabs = Slabs { isos, options: &options.extract, budget };
+        let found = for_dtype!(self.dtype(), T => {
+            let mut source = self.source::<T>(job)?;
+            if self.is_observed && self.statistics.get().is_none() {
+                let mut source = Observed::new(source, job);
+                let found = extract_slabs(&mut source, &slabs, sinks, job);
+                if found.is_ok() {
+                    self.statistics.get_or_init(|| source.statistics());
+                }
+                found
+            } else {
+                extract_slabs(&mut source, &slabs, sinks, job)
+            }
+        });
+        found.map_err(|error| self.of_slabs(error))
+    }
+
+    fn of_slabs<E: Into<PipelineError>>(&self, error: SlabError<ReadError, E>) -> PipelineError {
+        match error {
+            SlabError::Source(error) => error.into(),
+            SlabError::Extract(error) => match error.into_sink() {
+                Ok(error) => error.into(),
+                Err(ExtractError::Stopped(stopped)) => stopped.into(),
+                Err(error) => in_whole(error, &self.part).into(),
+            },
+        }
+    }
+
+    /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the
+    /// samples only where the counts raise the question and nobody looked before.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or the job is cancelled.
+    pub fn remark(
+        &self,
+        iso: f64,
+        counts: Counts,
+        options: &SurfaceOptions,
+        job: &Job,
+    ) -> Result<Option<Remark>, PipelineError> {
+        let dims = self.part.each_ref().map(|range| range.len());
+        if !Remark::is_worth_a_look(counts, dims, options.extract.boundary) {
+            return Ok(None);
+        }
+        Ok(Remark::of(iso, counts, dims, options, &self.statistics(job)?))
+    }
+
+    /// Whether sinks are asked for normals.
+    pub fn has_normals(options: &SurfaceOptions) -> bool {
+        options.normals == Normals::Gradient
+    }
+
+    fn is_row_cut(&self) -> bool {
+        let [nx, ny, _] = self.whole.dims();
+        [self.part[0].len() as u64, self.part[1].len() as u64] != [nx, ny]
+    }
+
+    /// The lattice of the part, where it was in the whole.
+    fn part_grid(&self) -> Grid {
+        let frame = self.whole.frame;
+        let start = self.part.each_ref().map(|range| range.start);
+        // A sample of the volume lies in finite space, or its file would have been refused.
+        let frame = frame.starting_at(start).unwrap_or(frame);
+        let dims = self.part.each_ref().map(|range| range.len() as u64);
+        Grid::new(dims, frame).expect("a part of a lattice")
+    }
+
+    fn source<T: Sample>(&self, job: &Job) -> Result<PartSlices<T>, ReadError> {
+        let source = self.file.clone().with_job(job).into_source()?;
+        Ok(PartSlices::new(source, self.part_grid(), self.part.clone()))
+    }
+}
+
+impl Facts for SlabScan {
+    fn statistics(&self, job: &Job) -> Result<Statistics, PipelineError> {
+        self.statistics(job)
+    }
+
+    fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, PipelineError> {
+        self.histogram(job)
+    }
+}

@@ -1,0 +1,227 @@
+//! A volume that is larger than memory: a window of slices goes over it, and the surface follows.
+//!
+//! In the window lie the slices whose surface is made, and those that it looks at: one below and two
+//! above, since an edge between the last slice and the next needs the gradient at its upper end. What is
+//! made of a window is the part of the whole surface that belongs to its slices, with the same numbers
+//! and the same bits: vertices are numbered slice by slice anyway, and places are worked out from the
+//! slice's number in the volume. Beyond the ends of a window that are no ends of the volume the lattice
+//! has guards like everywhere, but no slice that is made looks so far.
+//!
+//! An error of the data is found in the last slice as well as in the first. Then sinks have got a part of
+//! the surface, and the counts in the error are those of the whole volume all the same.
+
+mod budget;
+mod window;
+
+pub use budget::Budget;
+
+use crate::{
+    ExtractError, ExtractOptions, Extracted, Nan, Skipped, SlabError, Source,
+    extract::{output_bytes, precision},
+    fill::{Fill, Winding},
+    layout::{Layout, Part},
+    planes::{Lattice, Planes},
+    vertex::Placement,
+};
+use isokit_job::{Job, OverLimit};
+use isokit_mesh::{Counts, MeshSink, MeshSinks, Precision};
+use isokit_volume::{Grid, Sample, SlabSource};
+use std::ops::Range;
+use window::Window;
+
+/// What to extract, and how much of it is in memory at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs<'a> {
+    /// Isovalues, one for each surface.
+    pub isos: &'a [f64],
+    /// How samples become a surface.
+    pub options: &'a ExtractOptions,
+    /// How much is in memory.
+    pub budget: Budget,
+}
+
+/// The slice whose surface is made, the one below, and two above.
+pub const LEAST_WINDOW: usize = 4;
+
+/// The surfaces where the value is one of several isovalues, from one pass over the slices of a volume.
+/// Each is handed to its sink in pieces, which together are the surface that
+/// [`extract_into`](crate::extract_into) hands over as one.
+///
+/// # Errors
+///
+/// As [`extract_into`](crate::extract_into), and if the source fails or the surface of one slice takes
+/// more than the bytes of a piece.
+pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Send>(
+    source: &mut R,
+    slabs: &Slabs<'_>,
+    sinks: &mut S,
+    job: &Job,
+) -> Result<Vec<Extracted>, SlabError<R::Error, S::Error>> {
+    let grid = *source.grid();
+    check(&grid, slabs)?;
+    let mut surfaces: Vec<Surface> = slabs.isos.iter().map(|&iso| Surface::new(iso)).collect();
+    let making = Making { slabs, precision: precision(&grid, slabs.options), job };
+    let mut window = Window::new(&*source, slabs, job).map_err(ExtractError::from)?;
+    job.progress.begin("extract", (3 * surfaces.len() as u64).saturating_mul(grid.dims()[2]));
+    while !window.is_last() {
+        window.advance(source, job).map_err(SlabError::Source)?;
+        if slabs.options.nan == Nan::Error {
+            window.look_for_nan(job).map_err(ExtractError::from)?;
+        }
+        if window.nan.count > 0 {
+            continue; // only to count them
+        }
+        for (n, surface) in surfaces.iter_mut().enumerate() {
+            let mut sink = sinks.sink(n);
+            job.threads.run(|| making.part(&window, surface, &mut sink))?;
+        }
+    }
+    if let Some(first) = window.nan.first {
+        return Err(ExtractError::Nan { count: window.nan.count, first }.into());
+    }
+    let (precision, margin) = making.precision;
+    let mut found = vec![];
+    for (n, Surface { counts, is_begun, is_too_large, .. }) in surfaces.into_iter().enumerate() {
+        if is_too_large {
+            let Counts { vertices, triangles } = counts;
+            return Err(ExtractError::TooLarge { vertices, triangles }.into());
+        }
+        if !is_begun {
+            sinks.sink(n).piece(counts, precision).map_err(ExtractError::Sink)?;
+        }
+        let skipped = Skipped { samples_read: grid.count(), ..Skipped::default() };
+        found.push(Extracted { counts, precision, margin, skipped });
+    }
+    Ok(found)
+}
+
+/// What can be told before the first sample.
+fn check<E>(grid: &Grid, slabs: &Slabs<'_>) -> Result<(), ExtractError<E>> {
+    if let Some(&iso) = slabs.isos.iter().find(|iso| !iso.is_finite()) {
+        return Err(ExtractError::Iso(iso));
+    }
+    // A window is never so high, whatever the volume is.
+    let is_too_long = |n: &u64| *n > i32::MAX as u64 - 2;
+    match grid.dims()[..2].iter().position(is_too_long) {
+        Some(axis) => Err(ExtractError::TooLong { axis, size: grid.dims()[axis] as usize }),
+        None => Ok(()),
+    }
+}
+
+/// How far a surface is.
+struct Surface {
+    iso: f64,
+    /// Vertices and triangles so far.
+    counts: Counts,
+    is_begun: bool,
+    is_too_large: bool,
+}
+
+impl Surface {
+    fn new(iso: f64) -> Self {
+        Self { iso, counts: Counts::default(), is_begun: false, is_too_large: false }
+    }
+}
+
+/// What holds for all parts of all surfaces.
+struct Making<'a> {
+    slabs: &'a Slabs<'a>,
+    /// And the margin.
+    precision: (Precision, f64),
+    job: &'a Job,
+}
+
+impl Making<'_> {
+    /// The part of a surface that belongs to the slices of a window.
+    fn part<T: Sample, S: MeshSink<Error: Send>>(
+        &self,
+        window: &Window<T>,
+        surface: &mut Surface,
+        sink: &mut S,
+    ) -> Result<(), ExtractError<S::Error>> {
+        let (options, job) = (self.slabs.options, self.job);
+        let view = window.view();
+        let lattice = Lattice::new(view.dims(), options.boundary);
+        if !lattice.has_cells() {
+            return Ok(());
+        }
+        // NaN that is an error was looked for already.
+        let nan = if options.nan == Nan::Mask { Nan::Mask } else { Nan::Outside };
+        let source = Source::from(&view);
+        let (planes, _) = Planes::classify(&source, lattice, &[surface.iso], nan, job)?;
+        let [planes] = &planes[..] else { return Ok(()) };
+        if planes.is_empty() {
+            return Ok(());
+        }
+        let part = Part { slices: window.own(lattice), before: surface.counts };
+        let layers = self.layers_per_task(&part.slices);
+        let layout = match Layout::part(planes, &part, layers, job) {
+            Err(ExtractError::TooLarge { vertices, triangles }) => {
+                surface.counts = Counts { vertices, triangles };
+                surface.is_too_large = true;
+                return Ok(());
+            }
+            layout => layout?,
+        };
+        surface.counts = layout.slices[part.slices.end];
+        if surface.is_too_large {
+            return Ok(()); // only to count it
+        }
+        let first_slice = window.first() as f64;
+        let placement = Placement::new(view, surface.iso, self.precision.1, first_slice);
+        let winding = Winding::of(view.frame());
+        let fill = Fill { planes, layout: &layout, placement, winding };
+        let mut slices = part.slices;
+        while !slices.is_empty() {
+            let next = self.piece(&layout, &slices, sink.wants_normals())?;
+            let counts = between(&layout, &next);
+            slices.start = next.end;
+            if counts != Counts::default() {
+                surface.is_begun = true;
+                let piece = sink.piece(counts, self.precision.0).map_err(ExtractError::Sink)?;
+                let layers = self.layers_per_task(&next);
+                fill.piece(next, piece, layers, job)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The first of some slices whose surface goes into one piece.
+    fn piece(
+        &self,
+        layout: &Layout,
+        slices: &Range<usize>,
+        normals: bool,
+    ) -> Result<Range<usize>, OverLimit> {
+        let limit = self.slabs.budget.piece_bytes;
+        let bytes = |end: usize| {
+            let counts = between(layout, &(slices.start..end));
+            output_bytes(counts, self.precision.0, normals).unwrap_or(u64::MAX)
+        };
+        // More slices never make less.
+        let fits = (slices.start + 1..=slices.end).rev().find(|&end| bytes(end) <= limit);
+        let needed = bytes(slices.start + 1);
+        let over = || OverLimit { what: "the surface of one slice", needed, limit };
+        let end = fits.ok_or_else(over)?;
+        self.job.limits.probe("surface", Some(bytes(end)), 1)?;
+        Ok(slices.start..end)
+    }
+
+    /// Few enough that every thread gets some of the slices.
+    fn layers_per_task(&self, slices: &Range<usize>) -> usize {
+        let share = slices.len() / (4 * self.job.threads.count());
+        share.clamp(1, self.slabs.options.layers_per_task.get())
+    }
+}
+
+/// What some slices make.
+fn between(layout: &Layout, slices: &Range<usize>) -> Counts {
+    let [before, after] = [layout.slices[slices.start], layout.slices[slices.end]];
+    Counts {
+        vertices: after.vertices - before.vertices,
+        triangles: after.triangles - before.triangles,
+    }
+}
+
+#[cfg(test)]
+mod tests;

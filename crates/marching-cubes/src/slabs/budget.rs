@@ -1,0 +1,109 @@
+//! How high the window is, for so much memory.
+
+use super::LEAST_WINDOW;
+use crate::{Boundary, ExtractOptions, Nan};
+use isokit_job::OverLimit;
+use isokit_lanes::words;
+use isokit_volume::{Dtype, Grid};
+
+/// How much of a volume and of its surfaces is in memory at a time. Changes time and memory only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Slices, at least [`LEAST_WINDOW`].
+    pub window: usize,
+    /// Bytes of the surface that a sink is asked for at a time. A slice that makes more is an error.
+    pub piece_bytes: u64,
+}
+
+/// A window is not made higher for these bytes of samples and more: it gains nothing.
+const ENOUGH: u64 = 64 << 20;
+
+/// Nor for these slices and more, whose overlap with the next window is a few hundredths.
+const ENOUGH_SLICES: u64 = 64;
+
+/// The least that is reserved for a piece.
+const LEAST_PIECE: u64 = 1 << 20;
+
+/// Memory of a sink beside the piece that is filled, in pieces: what it makes of the one before.
+const COPIES: u64 = 2;
+
+impl Budget {
+    /// A budget of so many bytes, for all that [`extract_slabs`](crate::extract_slabs) and the sinks of
+    /// so many surfaces take together. Half of it is for the window, or less where that is enough.
+    ///
+    /// # Errors
+    ///
+    /// If it does not suffice for the least window. What is needed then suffices.
+    pub fn within(
+        bytes: u64,
+        (grid, dtype): (&Grid, Dtype),
+        surfaces: usize,
+        options: &ExtractOptions,
+    ) -> Result<Self, OverLimit> {
+        let per_slice = bytes_per_slice(grid, dtype, options);
+        let least = per_slice.map(|bytes| bytes.saturating_mul(LEAST_WINDOW as u64));
+        let shares = (COPIES * surfaces.max(1) as u64).max(1);
+        let needed = least.and_then(|least| least.checked_add(shares * LEAST_PIECE));
+        let (Some(per_slice), Some(0..)) = (per_slice, needed.and_then(|n| bytes.checked_sub(n)))
+        else {
+            let needed = needed.unwrap_or(u64::MAX);
+            return Err(OverLimit { what: "extraction slice by slice", needed, limit: bytes });
+        };
+        let most = (bytes / 2 / per_slice).max(LEAST_WINDOW as u64);
+        let most = most.min((ENOUGH / per_slice).max(ENOUGH_SLICES));
+        let window = most.min((bytes - shares * LEAST_PIECE) / per_slice);
+        let piece_bytes = (bytes - window * per_slice) / shares;
+        Ok(Self { window: window as usize, piece_bytes })
+    }
+}
+
+/// What a slice of the window takes: its samples, and while the surface is made one bit for each (three
+/// where cells next to NaN are left out) and what its rows make.
+fn bytes_per_slice(grid: &Grid, dtype: Dtype, options: &ExtractOptions) -> Option<u64> {
+    let guards = if options.boundary == Boundary::Closed { 2 } else { 0 };
+    let [nx, ny, _] = grid.dims();
+    let samples = nx.checked_mul(ny)?.checked_mul(dtype.bytes() as u64)?;
+    let may_miss = options.nan == Nan::Mask && !dtype.is_integer();
+    let planes = if may_miss { 3 } else { 1 };
+    let words = words(usize::try_from(nx.checked_add(guards)?).ok()?) as u64;
+    let rows = ny.checked_add(guards)?;
+    samples.checked_add(rows.checked_mul(8 * planes * words + 16)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Budget, LEAST_WINDOW, bytes_per_slice};
+    use crate::ExtractOptions;
+    use isokit_volume::{Dtype, Grid};
+
+    #[test]
+    fn what_a_refusal_says_is_needed_suffices_and_no_less() {
+        let options = &ExtractOptions::DEFAULT;
+        for (dims, surfaces) in [([1024, 1024, 2048], 1), ([3, 5, 7], 2), ([1 << 20, 900, 9], 3)] {
+            let grid = Grid::new(dims, Default::default()).unwrap();
+            let within = |bytes| Budget::within(bytes, (&grid, Dtype::I16), surfaces, options);
+            let needed = within(0).unwrap_err().needed;
+            assert_eq!(within(needed).unwrap().window, LEAST_WINDOW);
+            assert_eq!(within(needed - 1).unwrap_err().needed, needed);
+        }
+    }
+
+    #[test]
+    fn window_and_pieces_stay_within_the_budget() {
+        let options = &ExtractOptions::DEFAULT;
+        let grid = Grid::new([700, 500, 300], Default::default()).unwrap();
+        let per_slice = bytes_per_slice(&grid, Dtype::F32, options).unwrap();
+        for bytes in (10..1000).map(|n| n << 20) {
+            let budget = Budget::within(bytes, (&grid, Dtype::F32), 2, options).unwrap();
+            let window = budget.window as u64 * per_slice;
+            assert!(budget.window >= LEAST_WINDOW && window + 4 * budget.piece_bytes <= bytes);
+        }
+    }
+
+    #[test]
+    fn a_slice_that_no_memory_holds_is_refused() {
+        let grid = Grid::new([1 << 40, 1 << 23, 1], Default::default()).unwrap();
+        let found = Budget::within(1 << 40, (&grid, Dtype::F64), 1, &ExtractOptions::DEFAULT);
+        assert_eq!(found.unwrap_err().needed, u64::MAX);
+    }
+}

@@ -1,0 +1,142 @@
+//! The slices of a volume that are in memory.
+
+use super::{LEAST_WINDOW, Slabs};
+use crate::planes::Lattice;
+use isokit_job::{Cancelled, Job, OverLimit};
+use isokit_lanes::{nans, words};
+use isokit_volume::{Grid, Sample, Scaling, SlabSource, View};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Some slices that follow each other, and those among them whose surface is made next.
+pub(super) struct Window<T> {
+    grid: Grid,
+    scaling: Scaling,
+    /// Room for as many slices as are held at the most.
+    samples: Vec<T>,
+    slice: usize,
+    /// The slices that are held, by their numbers in the volume.
+    held: Range<u64>,
+    /// Of those the ones that have just come.
+    new: Range<u64>,
+    /// NaN samples met so far, where somebody looked.
+    pub(super) nan: Found,
+}
+
+/// NaN samples: how many, and the first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Found {
+    pub(super) count: u64,
+    pub(super) first: Option<[usize; 3]>,
+}
+
+/// Samples fetched between two looks at the cancel token.
+const PIECE: usize = 1 << 20;
+
+/// Slices below and above a slice that its surface looks at.
+const BELOW: u64 = 1;
+const ABOVE: u64 = 2;
+
+impl<T: Sample> Window<T> {
+    /// Before the first slice, with room for as many slices as `slabs` says.
+    pub(super) fn new(
+        source: &impl SlabSource<T>,
+        slabs: &Slabs<'_>,
+        job: &Job,
+    ) -> Result<Self, OverLimit> {
+        let (grid, scaling) = (*source.grid(), source.scaling());
+        let slices = (slabs.budget.window.max(LEAST_WINDOW) as u64).min(grid.dims()[2]);
+        let count = grid.slice_count().checked_mul(slices);
+        let samples = job.limits.zeroed("window of slices", count)?;
+        let slice = grid.slice_count() as usize;
+        let (held, new, nan) = (0..0, 0..0, Found::default());
+        Ok(Self { grid, scaling, samples, slice, held, new, nan })
+    }
+
+    /// Whether the last slice is held.
+    pub(super) fn is_last(&self) -> bool {
+        self.held.end == self.grid.dims()[2]
+    }
+
+    /// Goes on by as many slices as there is room for. Those that are still looked at move down.
+    pub(super) fn advance<R: SlabSource<T>>(
+        &mut self,
+        source: &mut R,
+        job: &Job,
+    ) -> Result<(), R::Error> {
+        let keep = (self.held.end - self.held.start).min(BELOW + ABOVE);
+        let first = self.held.end - keep;
+        let kept = self.place(first)..self.place(self.held.end);
+        let filled = kept.len();
+        self.samples.copy_within(kept, 0);
+        let room = ((self.samples.len() - filled) / self.slice) as u64;
+        let more = room.min(self.grid.dims()[2] - self.held.end);
+        let empty = filled..filled + more as usize * self.slice;
+        for slices in self.samples[empty].chunks_mut((PIECE / self.slice).max(1) * self.slice) {
+            job.check()?;
+            source.fill(slices)?;
+        }
+        self.new = self.held.end..self.held.end + more;
+        self.held = first..self.new.end;
+        Ok(())
+    }
+
+    /// Where a slice begins among the samples.
+    fn place(&self, slice: u64) -> usize {
+        (slice - self.held.start) as usize * self.slice
+    }
+
+    /// The number of the first slice that is held.
+    pub(super) fn first(&self) -> u64 {
+        self.held.start
+    }
+
+    /// All slices that are held, in the frame of the volume.
+    pub(super) fn view(&self) -> View<'_, T> {
+        self.part(self.held.clone())
+    }
+
+    fn part(&self, slices: Range<u64>) -> View<'_, T> {
+        let [nx, ny, _] = self.grid.dims();
+        let grid = Grid::new([nx, ny, slices.end - slices.start], self.grid.frame);
+        let samples = &self.samples[self.place(slices.start)..self.place(slices.end)];
+        let view = grid.ok().and_then(|grid| View::new(samples, &grid).ok());
+        view.expect("slices that are held").with_scaling(self.scaling)
+    }
+
+    /// The slices of the lattice over the window whose surface is made now.
+    pub(super) fn own(&self, lattice: Lattice) -> Range<usize> {
+        let start = if self.held.start == 0 { 0 } else { BELOW as usize + lattice.guard };
+        let looked_at = if self.is_last() { 0 } else { ABOVE as usize + lattice.guard };
+        start..lattice.points[2] - looked_at
+    }
+
+    /// Counts the NaN samples among the slices that have just come.
+    pub(super) fn look_for_nan(&mut self, job: &Job) -> Result<(), Cancelled> {
+        if T::DTYPE.is_integer() {
+            return Ok(());
+        }
+        let view = self.part(self.new.clone());
+        let [nx, ny, nz] = view.dims();
+        let of_slice = |k: usize| {
+            job.check()?;
+            let (mut found, mut scratch, mut bits) = (Found::default(), vec![], vec![0; words(nx)]);
+            for j in 0..ny {
+                nans(view.row(j, k).gather(&mut scratch), &mut bits);
+                found.count += bits.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+                let word = bits.iter().position(|&word| word != 0);
+                let first = word.map(|w| [64 * w + bits[w].trailing_zeros() as usize, j, k]);
+                found.first = found.first.or(first);
+            }
+            Ok(found)
+        };
+        let found: Result<Vec<Found>, Cancelled> =
+            job.threads.run(|| (0..nz).into_par_iter().map(of_slice).collect());
+        let before = self.new.start as usize;
+        for Found { count, first } in found? {
+            self.nan.count += count;
+            self.nan.first = self.nan.first.or(first.map(|[i, j, k]| [i, j, before + k]));
+        }
+        Ok(())
+    }
+}
