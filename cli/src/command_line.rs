@@ -16,6 +16,7 @@ const WITHOUT_EFFECT: [&str; 11] = [
     "log_json",
     "output",
     "format",
+    "index",
     "report",
     "repeat",
     "repeat_warm",
@@ -76,7 +77,7 @@ mod tests {
     #[test]
     fn only_what_the_content_depends_on_is_told() {
         let line = "isokit|extract|a b/head.nii.gz|--iso=-300:skin:#d8a580|-o|x/y.glb|--iso|300\
-                    |--threads|3|--report|r.json|-v|--boundary|open";
+                    |--threads|3|--index|--report|r.json|-v|--boundary|open";
         let told = "isokit extract head.nii.gz --iso '-300:skin:#d8a580' --iso 300 --boundary open";
         assert_eq!(of(line), told);
         let spaced = "isokit|convert|it's.stl|--weld|0|-o|x.glb";

@@ -71,7 +71,7 @@ impl VolumeFile {
     ///
     /// # Errors
     ///
-    /// If the system does not tell size and time of a file.
+    /// If the system does not tell size and time of a file, or one is no regular file.
     pub fn bricks(&self) -> io::Result<BrickFile> {
         let (stored, count) = (&self.stored, self.grid.count());
         let mut sum = Fnv::default();
@@ -79,6 +79,9 @@ impl VolumeFile {
         let data = (self.first / stored.per_file..last).map(|n| stored.files.path(n));
         for path in [self.path.clone()].into_iter().chain(data) {
             let facts = fs::metadata(path)?;
+            if !facts.is_file() {
+                return Err(io::Error::other("no regular file"));
+            }
             let since = facts.modified()?.duration_since(UNIX_EPOCH).unwrap_or_default();
             sum.add(&facts.len().to_le_bytes());
             sum.add(&since.as_nanos().to_le_bytes());

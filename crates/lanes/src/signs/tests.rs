@@ -1,6 +1,6 @@
 //! Every loop against the definition, sample by sample.
 
-use super::{Lane, Threshold, Thresholds, many_at, nans, signs, signs_at, words};
+use super::{Lane, Threshold, Thresholds, many_at, nan::has_nan_at, nans, signs, signs_at, words};
 use crate::Level;
 use std::fmt::Debug;
 
@@ -39,6 +39,10 @@ fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
         nans(row, &mut found);
         let nan = |sample: T| sample.partial_cmp(&sample).is_none();
         assert_eq!(found, by_definition(row, nan), "{length} samples");
+        for &level in Level::available() {
+            let any = row.iter().any(|&sample| nan(sample));
+            assert_eq!(has_nan_at(level, row), any, "{level}, {length} samples");
+        }
     }
 }
 
@@ -90,6 +94,15 @@ fn every_level_agrees_with_the_definition_for_floats() {
         1 => [0.0, -0.0, 1e-40, f32::NAN][r as usize / 3 % 4],
         _ => ODD[r as usize % 8] as f32,
     });
+}
+
+#[test]
+fn one_nan_is_found_wherever_it_is() {
+    for (length, at) in (1..140).flat_map(|length| (0..length).map(move |at| (length, at))) {
+        let mut row = vec![f32::INFINITY; length];
+        row[at] = f32::NAN;
+        assert!(Level::available().iter().all(|&level| has_nan_at(level, &row)), "{at}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{Lattice, Plane, Planes, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit};
-use isokit_lanes::{Threshold, Thresholds, nans, signs_of_many, words};
+use isokit_lanes::{Threshold, Thresholds, has_nan, nans, signs_of_many, words};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -26,11 +26,8 @@ impl Planes {
     ) -> Result<(Vec<Self>, Skipped), ExtractError<E>> {
         let all = view.dims().iter().map(|&n| n as u64).product();
         let mut skipped = Skipped::default();
-        let may_be_nan = !T::DTYPE.is_integer() && bricks.is_none_or(Bricks::has_nan);
-        let missing = match may_be_nan && nan != Nan::Outside {
-            true => missing(view, lattice, nan, job)?,
-            false => None,
-        };
+        let mut may_be_nan =
+            nan != Nan::Outside && !T::DTYPE.is_integer() && bricks.is_none_or(Bricks::has_nan);
         let thresholds: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
         let reached = |threshold: &&Threshold<T>| !matches!(threshold, Threshold::Never);
         let asked: Vec<_> = thresholds.iter().filter(reached).copied().collect();
@@ -39,9 +36,12 @@ impl Planes {
             (Some(each), None) => {
                 let test = |row: &[T], _, out: &mut [u64]| {
                     signs_of_many(row, &each, out);
-                    Found::default()
+                    let count = u64::from(may_be_nan && has_nan(row));
+                    Found { count, first: None }
                 };
-                inside = planes(view, lattice, each.count(), test, job)?.0;
+                let found;
+                (inside, found) = planes(view, lattice, each.count(), test, job)?;
+                may_be_nan = found.count > 0;
                 skipped.samples_read = all;
             }
             (Some(each), Some(bricks)) => {
@@ -59,7 +59,9 @@ impl Planes {
             }
             (None, None) => {}
         }
-        if may_be_nan && nan != Nan::Outside {
+        let mut absent = None;
+        if may_be_nan {
+            absent = missing(view, lattice, nan, job)?;
             skipped = Skipped { bricks_skipped: 0, samples_read: all, ..skipped };
         }
         let (mut inside, mut visits) = (inside.into_iter(), visits.into_iter());
@@ -69,7 +71,7 @@ impl Planes {
                 Threshold::Never => Plane { lattice, bits: vec![] },
                 _ => inside.next().expect("a plane for each that is asked"),
             },
-            missing: missing.clone(),
+            missing: absent.clone(),
             visits: match threshold {
                 Threshold::Never => None,
                 _ => visits.next(),

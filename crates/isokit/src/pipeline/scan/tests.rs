@@ -2,7 +2,7 @@
 
 use super::Scan;
 use crate::pipeline::{
-    IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
+    Index, IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
 };
 use isokit_geom::{Affine, Frame, Space};
 use isokit_job::Job;
@@ -64,6 +64,20 @@ fn a_used_mesh_keeps_nothing_of_its_content() {
         dot.mesh_into(0.5, &options, &mut used, &job).unwrap();
         assert_eq!(used, mesh(&dot, &options));
     }
+}
+
+#[test]
+fn an_index_changes_no_surface_of_the_whole_or_of_a_part() {
+    let (job, region) = (Job::default(), Region::parse_samples("1:,1:4,1:4").unwrap());
+    let whole = dot([2, 2, 2]);
+    let mut indexed = whole.clone();
+    assert_eq!(indexed.index(&job).unwrap(), Index::NotKept(None));
+    assert_eq!(mesh(&indexed, &open()), mesh(&whole, &open()));
+    let mut meshes = vec![TriMesh::default(); 2];
+    let skipped = indexed.meshes_into(&[2.0, 3.0], &open(), &mut meshes, &job).unwrap();
+    assert_eq!((skipped.bricks, skipped.bricks_skipped, skipped.samples_read), (1, 1, 0));
+    let [part, indexed] = [whole, indexed].map(|scan| scan.cropped(&region).unwrap());
+    assert_eq!(mesh(&indexed, &open()), mesh(&part, &open()));
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn a_ball_is_the_same_with_bricks() {
 
 #[test]
 fn each_value_alone_is_the_same_too() {
-    let volume = ball([130, 70, 60], 0.5, |v| v as f64);
+    let volume = ball([130, 70, 60], 0.5, |v| v);
     for boundary in [Boundary::Closed, Boundary::Open] {
         let options = ExtractOptions::DEFAULT.with_boundary(boundary);
         for iso in [-60.0, -35.0, -20.0, 0.0, 10.5, 30.0, 39.9, 41.0] {
