@@ -8,7 +8,7 @@ use clap::{ArgAction, ArgMatches, Command, parser::ValueSource};
 use std::{ffi::OsStr, path::Path};
 
 /// Options that change how a command is done, or what is said of it, but not the file it makes.
-const WITHOUT_EFFECT: [&str; 11] = [
+const WITHOUT_EFFECT: [&str; 12] = [
     "threads",
     "progress",
     "quiet",
