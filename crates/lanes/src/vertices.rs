@@ -12,11 +12,13 @@
 //! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
 
 mod edges;
+mod field;
 #[cfg(test)]
 mod tests;
 mod wide;
 
 pub use edges::{BLOCK, Edges};
+pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;
 
 use crate::{Lane, Level, Samples};
@@ -24,90 +26,6 @@ use wide::{BATCH, Float, Plain, Wide};
 
 /// Squares of a gradient's length that are sound: none of its greater parts overflowed or vanished.
 const TAME: std::ops::Range<f32> = 1e-30..1e30;
-
-/// A type of coordinate in the output: `f32` or `f64`.
-pub trait Coordinate: Copy + Default + Send + sealed::Write {
-    /// The coordinate nearest to a value.
-    fn round(value: f64) -> Self;
-}
-
-mod sealed {
-    use super::{BATCH, Wide};
-
-    pub trait Write: Sized {
-        /// Rounds the places of a batch, which come by axis, and writes them vertex by vertex.
-        fn write<W: Wide>(wide: W, places: [W::F64; 3], out: &mut [[Self; 3]; BATCH]);
-    }
-}
-
-impl Coordinate for f32 {
-    #[inline(always)]
-    fn round(value: f64) -> Self {
-        value as f32
-    }
-}
-
-impl sealed::Write for f32 {
-    #[inline(always)]
-    fn write<W: Wide>(wide: W, [x, y, z]: [W::F64; 3], out: &mut [[Self; 3]; BATCH]) {
-        wide.interleave([wide.f64_to_f32(x), wide.f64_to_f32(y), wide.f64_to_f32(z)], out);
-    }
-}
-
-impl Coordinate for f64 {
-    #[inline(always)]
-    fn round(value: f64) -> Self {
-        value
-    }
-}
-
-impl sealed::Write for f64 {
-    #[inline(always)]
-    fn write<W: Wide>(wide: W, places: [W::F64; 3], out: &mut [[Self; 3]; BATCH]) {
-        wide.interleave_f64(places, out);
-    }
-}
-
-/// Everything beside the samples that a vertex depends on.
-#[derive(Clone, Copy, Debug)]
-pub struct Field {
-    /// The isovalue.
-    pub iso: f64,
-    /// The value of a stored sample is `stored · slope + intercept`.
-    pub slope: f64,
-    /// See `slope`.
-    pub intercept: f64,
-    /// How far from the middle of its edge a vertex may be, in edge lengths.
-    pub reach: f64,
-    /// Where a step along x, y, z of index space leads.
-    pub columns: [[f64; 3]; 3],
-    /// The place of the first sample.
-    pub origin: [f64; 3],
-    /// What turns a gradient in index space into one in world space, by columns.
-    pub covectors: [[f64; 3]; 3],
-    /// The number of the first slice of the samples in the whole lattice.
-    pub first_slice: f64,
-}
-
-impl Field {
-    /// The place in world space of a point of index space.
-    #[inline(always)]
-    pub fn world(&self, ijk: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| {
-            let along = |axis: usize| self.columns[axis][k] * ijk[axis];
-            along(0) + (along(1) + (along(2) + self.origin[k]))
-        })
-    }
-
-    /// What turns differences of stored samples into a gradient in world space, but for its length, which
-    /// no normal has.
-    fn directions(&self) -> [[f32; 3]; 3] {
-        let parts = self.covectors.as_flattened().iter();
-        let greatest = parts.fold(0.0_f64, |most, part| most.max(part.abs()));
-        let scale = if self.slope < 0.0 { -greatest } else { greatest };
-        self.covectors.map(|column| column.map(|part| (part / scale) as f32))
-    }
-}
 
 /// Where the vertices of edges go.
 #[derive(Debug)]
