@@ -24,8 +24,9 @@ pub(crate) use wide::Exact;
 use crate::{Lane, Level, Samples};
 use wide::{BATCH, Float, Plain, Wide};
 
-/// Squares of a gradient's length that are sound: none of its greater parts overflowed or vanished.
-const TAME: std::ops::Range<f32> = 1e-30..1e30;
+/// The greatest part of a gradient of differences, so that no part of any weight has lost a digit: from 2⁻⁶⁰
+/// to 2¹²⁰.
+const TAME: std::ops::Range<f32> = 8.673_617_4e-19..1.329_228e36;
 
 /// Where the vertices of edges go.
 #[derive(Debug)]
@@ -356,10 +357,21 @@ impl<T: Lane> Kernel<'_, '_, T> {
             let x_y = wide.f32(d[0][k]) * mixed[0] + wide.f32(d[1][k]) * mixed[1];
             world[k] = x_y + wide.f32(d[2][k]) * mixed[2];
         }
+        let zero = wide.f32(0.0);
+        let mut greatest = zero;
+        for part in world {
+            greatest = greatest.max(part.max(zero - part));
+        }
+        // By a power of two, which changes no digit: no square overflows or vanishes.
+        let scale = wide.to_unit(greatest);
+        for part in &mut world {
+            *part = *part * scale;
+        }
         let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
         let outward = wide.f32(-1.0) / square.sqrt();
         wide.interleave([world[0] * outward, world[1] * outward, world[2] * outward], out);
-        // What is not finite anywhere before is beyond these.
-        !(square.less(wide.f32(TAME.end)) & wide.f32(TAME.start).less(square))
+        let is_tame = greatest.less(wide.f32(TAME.end)) & !greatest.less(wide.f32(TAME.start));
+        // A part that is NaN may hide behind the greatest of the others, not in the sum of squares.
+        !(is_tame & square.less(wide.f32(16.0)))
     }
 }

@@ -6,7 +6,7 @@
 //! Everything is f64 until the position is whole; then it is rounded once.
 
 use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
-use isokit_volume::{Sample, View, gradient};
+use isokit_volume::{Sample, View};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
 const TAME: std::ops::Range<f64> = 1e-120..1e120;
@@ -115,8 +115,7 @@ impl<'a, T: Sample> Placement<'a, T> {
     /// Where the samples tell no gradient, at a guard or where all differences cancel, the value is still
     /// known to fall along the edge, and that direction stands in.
     fn normal(&self, cut: &Cut) -> [f32; 3] {
-        let found = self.outward(self.gradient(cut));
-        found.unwrap_or_else(|| {
+        self.by_differences(cut).unwrap_or_else(|| {
             let mut along = [0.0; 3];
             let falls = cut.values[0].is_some_and(|low| low >= self.field.iso);
             along[cut.axis] = if falls { -1.0 } else { 1.0 };
@@ -125,15 +124,49 @@ impl<'a, T: Sample> Placement<'a, T> {
         })
     }
 
-    fn gradient(&self, cut: &Cut) -> [f64; 3] {
-        let [Some(low), Some(high)] = cut.ends else { return [0.0; 3] };
+    /// The normal as the kernel makes it, from differences of samples that are first brought into its
+    /// range by a power of two: so a field has the same normals at any scale, to the last bit.
+    fn by_differences(&self, cut: &Cut) -> Option<[f32; 3]> {
+        let [Some(low), Some(high)] = cut.ends else { return None };
         let share = match cut.values.map(|value| value.is_some_and(f64::is_finite)) {
             [true, false] => 0.0,
             [false, true] => 1.0,
-            _ => 0.5 + cut.delta,
+            _ => (0.5 + cut.delta) as f32,
         };
-        let (low, high) = (gradient(&self.view, low), gradient(&self.view, high));
-        std::array::from_fn(|axis| low[axis] * (1.0 - share) + high[axis] * share)
+        let ends = [low, high].map(|end| self.differences(end));
+        let most = ends.as_flattened().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+        if !ends.as_flattened().iter().all(|part| part.is_finite()) {
+            return None;
+        }
+        let scale = to_unit(most);
+        let [low, high] = ends.map(|end| end.map(|part| (part * scale) as f32));
+        let mix = |axis: usize| low[axis] * (1.0 - share) + high[axis] * share;
+        let (mixed, d) = ([mix(0), mix(1), mix(2)], self.field.directions());
+        let along = |k: usize| d[0][k] * mixed[0] + d[1][k] * mixed[1] + d[2][k] * mixed[2];
+        let world = [along(0), along(1), along(2)];
+        let most = world.iter().fold(0.0_f32, |most, part| most.max(part.abs()));
+        if most == 0.0 {
+            return None;
+        }
+        let scale = to_unit(most.into());
+        let [x, y, z] = world.map(|part| (f64::from(part) * scale) as f32);
+        let outward = -1.0 / (x * x + y * y + z * z).sqrt();
+        Some([x * outward, y * outward, z * outward])
+    }
+
+    /// The differences of a sample's neighbours along x, y, z: those two steps apart, and at a border twice
+    /// those one step apart.
+    fn differences(&self, ijk: [usize; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| {
+            let last = self.view.dims()[axis] - 1;
+            let [below, above] = [ijk[axis].saturating_sub(1), last.min(ijk[axis] + 1)];
+            let at = |to: usize| {
+                let mut moved = ijk;
+                moved[axis] = to;
+                self.view.stored(moved).to_f64()
+            };
+            (at(above) - at(below)) * if above - below == 2 { 1.0 } else { 2.0 }
+        })
     }
 
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
@@ -154,6 +187,12 @@ impl<'a, T: Sample> Placement<'a, T> {
         let along = |k: usize, axis: usize| columns[axis][k] * gradient[axis];
         std::array::from_fn(|k| along(k, 0) + along(k, 1) + along(k, 2))
     }
+}
+
+/// The power of two by which a number becomes one from 1 to 2, for any but the greatest and the least.
+fn to_unit(number: f64) -> f64 {
+    let exponent = (number.to_bits() >> 52 & 0x7FF) as i32 - 1023;
+    2.0_f64.powi(-exponent.clamp(-1000, 1000))
 }
 
 /// The unit vector against `v`, whose square is neither 0 nor infinite.
@@ -305,13 +344,16 @@ mod tests {
             for (n, normal) in normals.into_iter().enumerate() {
                 let (axis, low) = edges.get(n);
                 let cut = placement.cut(axis, low);
-                let mixed = greatest(placement.gradient(&cut));
-                let ends = cut.ends.map(|end| greatest(gradient(&volume.view(), end.unwrap())));
-                if mixed < 0.5 * ends[0].max(ends[1]) {
+                assert_eq!(placement.normal(&cut), normal, "one by one as all at once");
+                let [low, high] = cut.ends.map(|end| gradient(&volume.view(), end.unwrap()));
+                let share = 0.5 + cut.delta;
+                let mixed = [0, 1, 2].map(|k| low[k] * (1.0 - share) + high[k] * share);
+                if greatest(mixed) < 0.5 * greatest(low).max(greatest(high)) {
                     continue;
                 }
                 compared += 1;
-                for (found, exact) in normal.into_iter().zip(placement.normal(&cut)) {
+                let exact = placement.outward(mixed).unwrap();
+                for (found, exact) in normal.into_iter().zip(exact) {
                     assert!((found - exact).abs() < 16.0 * f32::EPSILON, "{found}, {exact}");
                 }
             }

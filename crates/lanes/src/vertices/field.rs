@@ -78,7 +78,7 @@ impl Field {
 
     /// What turns differences of stored samples into a gradient in world space, but for its length, which
     /// no normal has.
-    pub(super) fn directions(&self) -> [[f32; 3]; 3] {
+    pub fn directions(&self) -> [[f32; 3]; 3] {
         let parts = self.covectors.as_flattened().iter();
         let greatest = parts.fold(0.0_f64, |most, part| most.max(part.abs()));
         let scale = if self.slope < 0.0 { -greatest } else { greatest };

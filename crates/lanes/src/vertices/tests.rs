@@ -76,11 +76,12 @@ fn one<T: Lane>(
     // The greatest part of the covectors is 1.2, and the slope is negative.
     let along = |k: usize, axis: usize| (FIELD.covectors[axis][k] / -1.2) as f32 * mixed[axis];
     let world: [f32; 3] = std::array::from_fn(|k| along(k, 0) + along(k, 1) + along(k, 2));
-    let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
-    let is_tame = square > TAME.start && square < TAME.end;
-    if !(is_tame && (a - b).is_finite()) {
+    let greatest = world.iter().fold(0.0_f32, |most, part| most.max(part.abs()));
+    if !(TAME.contains(&greatest) && world.iter().all(|c| c.is_finite()) && (a - b).is_finite()) {
         return None;
     }
+    let world = world.map(|part| part / 2.0_f32.powi(greatest.log2().floor() as i32));
+    let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
     let outward = -1.0 / square.sqrt();
     Some((FIELD.world(ijk), world.map(|part| part * outward)))
 }

@@ -60,6 +60,9 @@ pub trait Wide: Copy {
     /// Rounded to the nearest.
     fn f64_to_f32(self, numbers: Self::F64) -> Self::F32;
 
+    /// The power of two by which a number becomes one from 1 to 2; for numbers in [`TAME`](super::TAME).
+    fn to_unit(self, numbers: Self::F32) -> Self::F32;
+
     /// The samples of the numbers `from + at[n]`, where `at` counts up and down.
     ///
     /// # Safety

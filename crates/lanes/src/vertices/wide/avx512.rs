@@ -255,6 +255,17 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
+    fn to_unit(self, numbers: F32) -> F32 {
+        // SAFETY: there is a token.
+        unsafe {
+            let exponents =
+                _mm512_and_si512(_mm512_castps_si512(numbers.0), _mm512_set1_epi32(0x7F80_0000));
+            let opposite = _mm512_sub_epi32(_mm512_set1_epi32(0x7F00_0000), exponents);
+            F32(_mm512_castsi512_ps(opposite))
+        }
+    }
+
+    #[inline(always)]
     unsafe fn near<T: Lane>(
         self,
         samples: &Samples<'_, T>,

@@ -164,6 +164,13 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn to_unit(self, numbers: Array<f32>) -> Array<f32> {
+        Array(
+            each!(n => f32::from_bits(0x7F00_0000_u32.wrapping_sub(numbers.0[n].to_bits() & 0x7F80_0000))),
+        )
+    }
+
+    #[inline(always)]
     unsafe fn near<T: Lane>(
         self,
         samples: &Samples<'_, T>,
