@@ -25,11 +25,11 @@ use std::{path::Path, time::Instant};
 /// What the process takes beside the extraction: the program itself, its threads, buffers of files.
 const BASE: u64 = 40 << 20;
 
-/// What writing takes of each surface, in pieces: one, and what becomes of it.
-const WRITTEN: u64 = 2;
+/// What writing takes of each surface, in pieces: one, and what is kept of those before.
+const WRITTEN: u64 = 3;
 
 /// The same with what finding out takes of each: one more, with its edges.
-const GAUGED: u64 = 6;
+const GAUGED: u64 = 7;
 
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 pub(super) fn extract(
