@@ -14,15 +14,22 @@ use crate::{
 use anyhow::Result;
 use isokit::{
     io::{MeshContext, MeshSpool, SurfaceHead, Written},
-    job::{OverLimit, Stopped},
+    job::{Job, OverLimit, Stopped},
     lanes::return_large_memory_when_freed,
     marching_cubes::{Budget, Extracted, Skipped},
-    pipeline::{IsoChoice, PipelineError, SlabScan},
+    mesh::{Gauge, Gauged},
+    pipeline::{IsoChoice, PipelineError, SlabScan, SurfaceOptions},
 };
 use std::{path::Path, time::Instant};
 
 /// What the process takes beside the extraction: the program itself, its threads, buffers of files.
 const BASE: u64 = 40 << 20;
+
+/// What writing takes of each surface, in pieces: one, and what is kept of those before.
+const WRITTEN: u64 = 3;
+
+/// The same with what finding out takes of each: one more, with its edges.
+const GAUGED: u64 = 7;
 
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 pub(super) fn extract(
@@ -38,16 +45,15 @@ pub(super) fn extract(
     })?;
     let scan = if is_told { scan.observed() } else { scan };
     scan.notes().iter().for_each(|note| session.console.note(note));
-    let budget = budget(plan, limit, &scan)?;
+    let budget = budget(plan, limit, &scan, if is_told { GAUGED } else { WRITTEN })?;
     let isos = timed(&mut timings.read, || isos(plan, &scan, session))?;
     let heads = heads(&plan.levels, &isos);
     let Stream::File(path) = &plan.target.stream else {
         unreachable!("the plan has a file");
     };
-    let mut spool = timed(&mut timings.write, || create(plan, path, &heads, &scan, session))?;
-    let found = timed(&mut timings.extract, || {
-        let found = scan.meshes_into(&isos, &plan.surface, budget, &mut spool, &session.job);
-        found.map_err(explained)
+    let spool = timed(&mut timings.write, || create(plan, path, &heads, &scan, session))?;
+    let (spool, found, gauges) = timed(&mut timings.extract, || {
+        pass(&scan, (&isos, &plan.surface, budget), (spool, is_told), &session.job)
     })?;
     for (head, extracted) in heads.iter().zip(&found) {
         tell(plan, &scan, (head, extracted), session)?;
@@ -58,13 +64,31 @@ pub(super) fn extract(
     if !is_told {
         return Ok(String::new());
     }
-    report(plan, &scan, (&heads, &found), &written, timings, session)
+    report(plan, &scan, (&heads, &gauges), &written, timings, session)
+}
+
+/// Makes the surfaces; what they are is found out where it is told.
+fn pass(
+    scan: &SlabScan,
+    (isos, surface, budget): (&[f64], &SurfaceOptions, Budget),
+    (mut spool, is_told): (MeshSpool, bool),
+    job: &Job,
+) -> Result<(MeshSpool, Vec<Extracted>, Vec<Gauge>)> {
+    if !is_told {
+        let found = scan.meshes_into(isos, surface, budget, &mut spool, job);
+        return Ok((spool, found.map_err(explained)?, vec![]));
+    }
+    let mut gauged = Gauged::new(spool, isos.len(), job);
+    let found = scan.meshes_into(isos, surface, budget, &mut gauged, job).map_err(explained)?;
+    let (spool, gauges) = gauged.finish().map_err(PipelineError::from)?;
+    Ok((spool, found, gauges))
 }
 
 /// What may be in memory at a time.
-fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan) -> Result<Budget> {
+fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan, copies: u64) -> Result<Budget> {
     let left = limit.saturating_sub(BASE);
-    let budget = scan.budget(left, plan.levels.len(), &plan.surface);
+    let pieces = copies * plan.levels.len() as u64;
+    let budget = scan.budget(left, pieces, &plan.surface);
     Ok(budget.map_err(|over| {
         let needed = over.needed.saturating_add(BASE).div_ceil(1 << 20);
         let message = format!("--max-memory is too little: four slices need {needed}MiB in all");
@@ -133,19 +157,16 @@ fn tell(
 fn report(
     plan: &ExtractPlan,
     scan: &SlabScan,
-    (heads, found): (&[SurfaceHead], &[Extracted]),
+    (heads, gauges): (&[SurfaceHead], &[Gauge]),
     written: &Written,
     timings_s: Timings,
     session: &Session<'_, '_>,
 ) -> Result<String> {
-    let of_surface = |(head, extracted): (&SurfaceHead, &Extracted)| SurfaceReport {
+    let of_surface = |(head, gauge): (&SurfaceHead, &Gauge)| SurfaceReport {
         name: head.name.clone(),
         iso: head.iso,
         color: head.color.map(|color| color.to_string()),
-        counts: SlabCounts {
-            vertices: extracted.counts.vertices,
-            triangles: extracted.counts.triangles,
-        },
+        counts: SlabCounts::of(gauge),
         shortfalls: None,
     };
     let statistics = scan.statistics(&session.job)?;
@@ -154,7 +175,7 @@ fn report(
         schema: EXTRACT_SCHEMA,
         command: &session.command,
         input: VolumeFacts::of_slabs(&plan.input, scan, &statistics),
-        surfaces: heads.iter().zip(found).map(of_surface).collect(),
+        surfaces: heads.iter().zip(gauges).map(of_surface).collect(),
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,

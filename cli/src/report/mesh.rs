@@ -2,7 +2,7 @@
 
 use isokit::{
     geom::Aabb,
-    mesh::{Surface, Topology},
+    mesh::{Gauge, Surface, Topology},
 };
 use serde::Serialize;
 
@@ -37,6 +37,33 @@ pub(crate) struct MeshCounts {
 pub(crate) struct SlabCounts {
     pub(crate) vertices: u64,
     pub(crate) triangles: u64,
+    pub(crate) components: u64,
+    pub(crate) euler: i64,
+    pub(crate) boundary_edges: u64,
+    pub(crate) nonmanifold_edges: u64,
+    pub(crate) inconsistent_edges: u64,
+    pub(crate) degenerate_triangles: u64,
+    pub(crate) area: f64,
+    pub(crate) volume: f64,
+    pub(crate) bounds: Option<[[f64; 3]; 2]>,
+}
+
+impl SlabCounts {
+    pub(crate) fn of(gauge: &Gauge) -> Self {
+        Self {
+            vertices: gauge.vertices,
+            triangles: gauge.triangles,
+            components: gauge.components,
+            euler: gauge.euler(),
+            boundary_edges: gauge.boundary_edges,
+            nonmanifold_edges: gauge.nonmanifold_edges,
+            inconsistent_edges: gauge.inconsistent_edges,
+            degenerate_triangles: gauge.degenerate_triangles,
+            area: gauge.measure.area,
+            volume: gauge.measure.volume,
+            bounds: gauge.measure.bounds.map(corners),
+        }
+    }
 }
 
 /// A surface in a report.

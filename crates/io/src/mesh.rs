@@ -12,6 +12,7 @@ mod name;
 mod obj;
 mod ply;
 mod rounding;
+mod sinks;
 mod sound;
 mod spool;
 mod stl;

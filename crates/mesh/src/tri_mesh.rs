@@ -118,7 +118,7 @@ impl TriMesh {
     }
 
     /// Room for `more` behind the first `held`, in memory that is there or new.
-    fn room(&mut self, held: Counts, more: Counts, precision: Precision) -> Piece<'_> {
+    pub(crate) fn room(&mut self, held: Counts, more: Counts, precision: Precision) -> Piece<'_> {
         if self.positions.precision() != precision {
             self.positions = match precision {
                 Precision::F32 => Positions::F32(vec![]),
@@ -137,7 +137,7 @@ impl TriMesh {
     }
 
     /// Forgets all but the first `held`.
-    fn truncate(&mut self, held: Counts) {
+    pub(crate) fn truncate(&mut self, held: Counts) {
         let vertices = held.vertices as usize;
         match &mut self.positions {
             Positions::F32(all) => all.truncate(vertices),

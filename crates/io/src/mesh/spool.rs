@@ -3,7 +3,7 @@
 use crate::{MeshContext, WriteError, Written, write_mesh};
 use isokit_job::Job;
 use isokit_mesh::{
-    Counts, MeshSink, MeshSinks, Piece, Positions, PositionsMut, Precision, Rgba, Surface, TriMesh,
+    Counts, MeshSink, Piece, Positions, PositionsMut, Precision, Rgba, Surface, TriMesh,
 };
 use std::path::{Path, PathBuf};
 /// What a file says of a surface.
@@ -93,12 +93,5 @@ impl MeshSink for SpoolSink<'_> {
         let m = self.0.triangles.len();
         self.0.triangles.resize(m + t, [0; 3]);
         Ok(Piece { positions, normals, triangles: &mut self.0.triangles[m..] })
-    }
-}
-impl MeshSinks for MeshSpool {
-    type Error = WriteError;
-    type Sink<'a> = SpoolSink<'a>;
-    fn sink(&mut self, surface: usize) -> SpoolSink<'_> {
-        self.sink(surface)
     }
 }

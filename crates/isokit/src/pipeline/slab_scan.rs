@@ -150,7 +150,8 @@ impl SlabScan {
         choice.find(self, job)
     }
 
-    /// What of an extraction is in memory at a time, for so many bytes in all.
+    /// What of an extraction is in memory at a time, for so many bytes in all, where the sinks take
+    /// `pieces` times the bytes of a piece.
     ///
     /// # Errors
     ///
@@ -158,7 +159,7 @@ impl SlabScan {
     pub fn budget(
         &self,
         bytes: u64,
-        surfaces: usize,
+        pieces: u64,
         options: &SurfaceOptions,
     ) -> Result<Budget, OverLimit> {
         // Of a file whose rows are cut off, one slice is read whole.
@@ -168,7 +169,7 @@ impl SlabScan {
         };
         let of = (&self.part_grid(), self.dtype());
         let left = bytes.saturating_sub(slice);
-        Budget::within(left, of, surfaces, &options.extract).map_err(|over| OverLimit {
+        Budget::within(left, of, pieces, &options.extract).map_err(|over| OverLimit {
             needed: over.needed.saturating_add(slice),
             limit: bytes,
             ..over

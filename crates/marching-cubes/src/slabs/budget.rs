@@ -24,12 +24,10 @@ const ENOUGH_SLICES: u64 = 64;
 /// The least that is reserved for a piece.
 const LEAST_PIECE: u64 = 1 << 20;
 
-/// Memory of a sink beside the piece that is filled, in pieces: what it makes of the one before.
-const COPIES: u64 = 2;
-
 impl Budget {
-    /// A budget of so many bytes, for all that [`extract_slabs`](crate::extract_slabs) and the sinks of
-    /// so many surfaces take together. Half of it is for the window, or less where that is enough.
+    /// A budget of so many bytes for all that [`extract_slabs`](crate::extract_slabs) and the sinks take
+    /// together, where the sinks take `pieces` times the bytes of a piece. Half of it is for the window,
+    /// or less where that is enough.
     ///
     /// # Errors
     ///
@@ -37,13 +35,13 @@ impl Budget {
     pub fn within(
         bytes: u64,
         (grid, dtype): (&Grid, Dtype),
-        surfaces: usize,
+        pieces: u64,
         options: &ExtractOptions,
     ) -> Result<Self, OverLimit> {
+        let pieces = pieces.max(1);
         let per_slice = bytes_per_slice(grid, dtype, options);
         let least = per_slice.map(|bytes| bytes.saturating_mul(LEAST_WINDOW as u64));
-        let shares = (COPIES * surfaces.max(1) as u64).max(1);
-        let needed = least.and_then(|least| least.checked_add(shares * LEAST_PIECE));
+        let needed = least.and_then(|least| least.checked_add(pieces * LEAST_PIECE));
         let (Some(per_slice), Some(0..)) = (per_slice, needed.and_then(|n| bytes.checked_sub(n)))
         else {
             let needed = needed.unwrap_or(u64::MAX);
@@ -51,8 +49,8 @@ impl Budget {
         };
         let most = (bytes / 2 / per_slice).max(LEAST_WINDOW as u64);
         let most = most.min((ENOUGH / per_slice).max(ENOUGH_SLICES));
-        let window = most.min((bytes - shares * LEAST_PIECE) / per_slice);
-        let piece_bytes = (bytes - window * per_slice) / shares;
+        let window = most.min((bytes - pieces * LEAST_PIECE) / per_slice);
+        let piece_bytes = (bytes - window * per_slice) / pieces;
         Ok(Self { window: window as usize, piece_bytes })
     }
 }
@@ -79,9 +77,9 @@ mod tests {
     #[test]
     fn what_a_refusal_says_is_needed_suffices_and_no_less() {
         let options = &ExtractOptions::DEFAULT;
-        for (dims, surfaces) in [([1024, 1024, 2048], 1), ([3, 5, 7], 2), ([1 << 20, 900, 9], 3)] {
+        for (dims, pieces) in [([1024, 1024, 2048], 1), ([3, 5, 7], 2), ([1 << 20, 900, 9], 3)] {
             let grid = Grid::new(dims, Default::default()).unwrap();
-            let within = |bytes| Budget::within(bytes, (&grid, Dtype::I16), surfaces, options);
+            let within = |bytes| Budget::within(bytes, (&grid, Dtype::I16), pieces, options);
             let needed = within(0).unwrap_err().needed;
             assert_eq!(within(needed).unwrap().window, LEAST_WINDOW);
             assert_eq!(within(needed - 1).unwrap_err().needed, needed);
@@ -96,7 +94,7 @@ mod tests {
         for bytes in (10..1000).map(|n| n << 20) {
             let budget = Budget::within(bytes, (&grid, Dtype::F32), 2, options).unwrap();
             let window = budget.window as u64 * per_slice;
-            assert!(budget.window >= LEAST_WINDOW && window + 4 * budget.piece_bytes <= bytes);
+            assert!(budget.window >= LEAST_WINDOW && window + 2 * budget.piece_bytes <= bytes);
         }
     }
 

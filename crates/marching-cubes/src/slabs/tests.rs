@@ -6,7 +6,7 @@ use crate::{
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Stopped};
-use isokit_mesh::{Positions, TriMesh};
+use isokit_mesh::{Gauged, Positions, TriMesh, topology};
 use isokit_volume::{Formula, Grid, Sample, Scaling, SlabSource, Slices, Volume, collect};
 use proptest::prelude::*;
 
@@ -174,6 +174,35 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     assert!(surface.is_too_large);
     assert_eq!(surface.counts.vertices, u64::from(u32::MAX) - 100 + whole.vertices);
     assert_eq!(surface.counts.triangles, whole.triangles);
+}
+
+#[test]
+fn what_a_surface_is_can_be_found_out_while_it_passes_by() {
+    let job = Job::default();
+    for seed in 0..60 {
+        let grid = Grid::new([9, 8, 5 + seed % 11], Frame::default()).unwrap();
+        let volume = samples(grid, seed, odd);
+        for nan in [Nan::Outside, Nan::Mask] {
+            let options = &ExtractOptions::DEFAULT.with_nan(nan).with_boundary(match seed % 2 {
+                0 => Boundary::Open,
+                _ => Boundary::Closed,
+            });
+            let budget = Budget { window: 4, piece_bytes: greatest_slice(&grid) };
+            let mut mesh = TriMesh::with_normals();
+            let mut sinks = Gauged::new(vec![mesh.refill()], 1, &job);
+            let slabs = Slabs { isos: &[2.0], options, budget };
+            extract_slabs(&mut Slices::new(volume.view()), &slabs, &mut sinks, &job).unwrap();
+            let found = sinks.finish().unwrap().1.remove(0);
+            let whole = extract(&volume.view(), 2.0, options, &job).unwrap();
+            assert!(bits(&mesh) == bits(&whole));
+            let expected = topology(&whole, &job).unwrap();
+            assert_eq!(found.components, expected.components.len() as u64);
+            assert_eq!(found.euler(), expected.euler());
+            assert_eq!(found.boundary_edges, expected.boundary_edges);
+            assert_eq!(found.nonmanifold_edges, expected.nonmanifold_edges);
+            assert_eq!(found.measure.bounds, expected.measure.bounds);
+        }
+    }
 }
 
 /// 2048 × 2048 slices of u8 around a formula that is asked for a few of them.
