@@ -2,7 +2,7 @@
 //! gathered into a mask. There is no unsigned comparison and no "at least"; the greater (or lesser) of
 //! two is compared with one of them instead, or the opposite comparison is inverted.
 
-use super::prefetch_behind;
+use super::prefetch_ahead;
 use std::arch::x86_64::*;
 
 /// A module for one type of sample, with the row loops `at_least` and `at_most`. `$mask` gives the bits of
@@ -21,7 +21,7 @@ macro_rules! kernels {
         #[target_feature(enable = "avx2")]
         pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: &mut [u64]) {
             for (words, samples) in out.chunks_exact_mut(bounds.len()).zip(rows) {
-                prefetch_behind(samples);
+                prefetch_ahead(samples);
                 let (parts, _) = samples.as_chunks::<$lanes>();
                 for (word, &bound) in words.iter_mut().zip(bounds) {
                     let (bound, mut bits) = ($splat(bound), 0);

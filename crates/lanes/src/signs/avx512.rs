@@ -1,6 +1,6 @@
 //! The comparisons with 512-bit registers: a comparison is its own bit mask.
 
-use super::prefetch_behind;
+use super::prefetch_ahead;
 use std::arch::x86_64::*;
 
 /// A module for one type of sample, with the row loops `at_least` and `at_most`. For each word of samples,
@@ -18,7 +18,7 @@ macro_rules! kernels {
         #[target_feature(enable = "avx512f,avx512bw")]
         pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: &mut [u64]) {
             for (words, samples) in out.chunks_exact_mut(bounds.len()).zip(rows) {
-                prefetch_behind(samples);
+                prefetch_ahead(samples);
                 let (parts, _) = samples.as_chunks::<$lanes>();
                 for (word, &bound) in words.iter_mut().zip(bounds) {
                     let (bound, mut bits) = ($splat(bound), 0);
