@@ -74,7 +74,7 @@ fn put_all(
     }
     let (mut vertices, mut normals) = (1, 1);
     for (surface, name) in surfaces.iter().zip(names(surfaces)) {
-        remarks(&mut stream, &facts::of_surface(surface));
+        remarks(&mut stream, &facts::of_surface(&surface.into()));
         stream.put(format!("o {name}\n").as_bytes());
         if library.is_some() {
             stream.put(format!("usemtl {name}\n").as_bytes());

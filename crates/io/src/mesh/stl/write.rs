@@ -28,7 +28,7 @@ pub(in crate::mesh) fn write(
     }
     job.progress.begin("write", count.into());
     let mut stream = Stream::new(out, job);
-    stream.put(&header(&facts::in_one_line(context, surface)));
+    stream.put(&header(&facts::in_one_line(context, &surface.into())));
     stream.put(&count.to_le_bytes());
     stream.items(&mesh.triangles, |bytes, &triangle| {
         let corners = mesh.corners(triangle).map(stored);

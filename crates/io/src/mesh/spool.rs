@@ -1,0 +1,293 @@
+//! Surfaces that come in pieces and are never in memory as a whole.
+//!
+//! A file names its counts first and keeps vertices and triangles apart, but pieces bring some of each. So
+//! each section of a file grows in a file of its own, which has no name and is gone with the process; when
+//! all pieces have come the header is written and the sections are copied behind it. What is written is,
+//! byte for byte, what [`write_mesh`](super::write_mesh) writes of the whole surfaces.
+//!
+//! Of each surface the piece that is being filled is in memory, and where the format needs them the
+//! positions of the two before and the triangles of one. The disk holds what has come, and at the end up
+//! to twice that.
+
+use super::{
+    MeshContext, SurfaceHead, Written, format_of, holds_several, outline::Outline, paths, ply,
+    sound,
+};
+use crate::{Format, Output, WriteError, WriteFault};
+use isokit_job::{Job, Progress};
+use isokit_mesh::{Counts, MeshSink, Piece, Precision, TriMesh};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+/// Writes surfaces of which nobody has the whole; they may come in turns.
+///
+/// Dropped before it is [finished](Self::finish) it leaves nothing behind, and what stood under the names
+/// before still stands there.
+#[derive(Debug)]
+pub struct MeshSpool {
+    format: Format,
+    context: MeshContext,
+    job: Job,
+    /// The same job, but its progress is that of whoever makes the pieces.
+    quiet: Job,
+    files: Vec<(PathBuf, Output)>,
+    surfaces: Vec<Coming>,
+    sections: Sections,
+}
+
+/// A surface of which pieces are still coming.
+#[derive(Debug)]
+struct Coming {
+    /// What has come, the last piece too.
+    outline: Outline,
+    /// Whether any has come.
+    has_begun: bool,
+    /// The last piece; it may not be full yet.
+    piece: TriMesh,
+    state: State,
+    /// The greatest number of a vertex that a triangle names.
+    needed: u32,
+}
+
+/// What has become of the last piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// There is none, or it is in its sections.
+    Idle,
+    /// Somebody fills it.
+    Open,
+    /// It could not be taken in, or not as a whole.
+    Broken,
+}
+
+/// What has come, by format; one for each surface.
+#[derive(Debug)]
+enum Sections {
+    Ply(Vec<ply::Spool>),
+}
+
+impl MeshSpool {
+    /// Begins files for surfaces of which nothing is known but this. Each gets its name when all are whole.
+    ///
+    /// The names of files are those that [`write_mesh`](super::write_mesh) gives.
+    ///
+    /// # Errors
+    ///
+    /// If the name has another ending than those, or if no file can be made there.
+    pub fn create(
+        path: &Path,
+        surfaces: Vec<SurfaceHead>,
+        normals: bool,
+        context: &MeshContext,
+        job: &Job,
+    ) -> Result<Self, WriteError> {
+        let format = format_of(path).map_err(|fault| fault.at(path))?;
+        let paths = paths(format, path, surfaces.iter().map(|head| head.name.as_str()));
+        let files = paths.into_iter().map(|path| Ok((path.clone(), Output::create(&path)?)));
+        let files = files.collect::<Result<Vec<_>, WriteError>>()?;
+        let new = |head| Coming::new(head, normals && format != Format::Stl);
+        let mut surfaces: Vec<_> = surfaces.into_iter().map(new).collect();
+        if surfaces.is_empty() && !holds_several(format) {
+            surfaces.push(Coming::new(SurfaceHead::default(), false));
+        }
+        let sections = Sections::create(format, surfaces.len(), &files)?;
+        let quiet = Job { progress: Progress::default(), ..job.clone() };
+        Ok(Self {
+            format,
+            context: context.clone(),
+            job: job.clone(),
+            quiet,
+            files,
+            surfaces,
+            sections,
+        })
+    }
+
+    /// The sink of a surface, counted from 0. It may be taken again and again, for one piece or for many.
+    pub fn sink(&mut self, surface: usize) -> SpoolSink<'_> {
+        SpoolSink { spool: self, surface }
+    }
+
+    /// Writes all that has come to the files and gives them their names.
+    ///
+    /// # Errors
+    ///
+    /// As [`write_mesh`](super::write_mesh), or if a piece could not be taken in. Nothing is left behind.
+    pub fn finish(mut self) -> Result<Written, WriteError> {
+        for n in 0..self.surfaces.len() {
+            let whole = self.settle(n).and_then(|()| self.surfaces[n].check());
+            whole.map_err(|fault| fault.at(self.path(n)))?;
+        }
+        let mut written = Written::default();
+        let outlines = self.surfaces.into_iter().map(|coming| coming.outline);
+        let outlines: Vec<_> = outlines.collect();
+        let (context, job) = (&self.context, &self.job);
+        match self.sections {
+            Sections::Ply(all) => {
+                for ((spool, (path, out)), outline) in
+                    all.into_iter().zip(&mut self.files).zip(&outlines)
+                {
+                    spool.finish(out, outline, context, job).map_err(|fault| fault.at(&path))?;
+                }
+            }
+        }
+        for (path, output) in self.files {
+            output.finish()?;
+            written.files.push(path);
+        }
+        Ok(written)
+    }
+
+    /// The file of a surface, or the one of all.
+    fn path(&self, surface: usize) -> &Path {
+        let file = self.files.get(surface).or(self.files.first());
+        file.map_or(Path::new(""), |(path, _)| path)
+    }
+
+    /// Ends a surface's last piece and counts the next one in.
+    fn make_room(
+        &mut self,
+        surface: usize,
+        counts: Counts,
+        precision: Precision,
+    ) -> Result<(), WriteFault> {
+        if surface >= self.surfaces.len() {
+            let fault = format!("no surface {surface} of {} begun", self.surfaces.len());
+            return Err(WriteFault::Caller(fault.into()));
+        }
+        self.settle(surface)?;
+        let coming = &mut self.surfaces[surface];
+        coming.announce(self.format, counts, precision, &self.job)?;
+        coming.state = State::Open;
+        Ok(())
+    }
+
+    /// Takes in the piece that is now full, if there is one.
+    fn settle(&mut self, surface: usize) -> Result<(), WriteFault> {
+        let coming = &mut self.surfaces[surface];
+        match coming.state {
+            State::Idle => return Ok(()),
+            State::Broken => {
+                return Err(sound::fault(&coming.outline.head.name, "a piece of it is lost"));
+            }
+            State::Open => coming.state = State::Broken,
+        }
+        coming.needed = sound::needed(coming.needed, &coming.piece.triangles);
+        match &mut self.sections {
+            Sections::Ply(all) => all[surface].take(&coming.piece, &self.quiet)?,
+        }
+        self.surfaces[surface].state = State::Idle;
+        Ok(())
+    }
+}
+
+impl Sections {
+    fn create(
+        format: Format,
+        surfaces: usize,
+        files: &[(PathBuf, Output)],
+    ) -> Result<Self, WriteError> {
+        Ok(match format {
+            Format::Ply => Self::Ply(spools(surfaces, files, ply::Spool::create)?),
+            _ => {
+                let fault = format!("{format} cannot be written in pieces");
+                return Err(WriteFault::Caller(fault.into()).at(&files[0].0));
+            }
+        })
+    }
+}
+
+/// A spool for each surface, beside its file or the one of all.
+fn spools<T>(
+    surfaces: usize,
+    files: &[(PathBuf, Output)],
+    create: impl Fn(&Output) -> io::Result<T>,
+) -> Result<Vec<T>, WriteError> {
+    files
+        .iter()
+        .cycle()
+        .take(surfaces)
+        .map(|(path, out)| create(out).map_err(|error| WriteFault::Io(error).at(path)))
+        .collect()
+}
+
+impl Coming {
+    fn new(head: SurfaceHead, has_normals: bool) -> Self {
+        Self {
+            outline: Outline { head, has_normals, ..Outline::default() },
+            piece: if has_normals { TriMesh::with_normals() } else { TriMesh::default() },
+            state: State::Idle,
+            has_begun: false,
+            needed: 0,
+        }
+    }
+
+    /// Fails if a triangle names no vertex that came.
+    fn check(&self) -> Result<(), WriteFault> {
+        let Outline { head, counts, .. } = &self.outline;
+        let flaw = sound::too_few(*counts, self.needed);
+        flaw.map_or(Ok(()), |flaw| Err(sound::fault(&head.name, &flaw)))
+    }
+
+    /// Counts a piece in, and fails if it cannot follow those that came.
+    fn announce(
+        &mut self,
+        format: Format,
+        more: Counts,
+        precision: Precision,
+        job: &Job,
+    ) -> Result<(), WriteFault> {
+        let Outline { counts, precision: held, has_normals, .. } = &mut self.outline;
+        if self.has_begun && *held != precision {
+            let fault = "its pieces differ in precision";
+            return Err(sound::fault(&self.outline.head.name, fault));
+        }
+        let vertices = counts.vertices.saturating_add(more.vertices);
+        if vertices > u32::MAX.into() {
+            return Err(WriteFault::TooLarge {
+                format,
+                what: "vertices of a surface",
+                needed: vertices,
+                limit: u32::MAX.into(),
+                remedy: "extract it in parts",
+            });
+        }
+        let bytes = match precision {
+            Precision::F32 => size_of::<[f32; 3]>(),
+            Precision::F64 => size_of::<[f64; 3]>(),
+        };
+        let normals = if *has_normals { size_of::<[f32; 3]>() } else { 0 };
+        let limits = &job.limits;
+        limits.probe("a piece of a surface", Some(more.vertices), bytes + normals)?;
+        limits.probe("a piece of a surface", Some(more.triangles), size_of::<[u32; 3]>())?;
+        (*held, self.has_begun) = (precision, true);
+        counts.vertices = vertices;
+        counts.triangles += more.triangles;
+        Ok(())
+    }
+}
+
+/// Takes one surface of a [`MeshSpool`] piece by piece.
+#[derive(Debug)]
+pub struct SpoolSink<'a> {
+    spool: &'a mut MeshSpool,
+    surface: usize,
+}
+
+impl MeshSink for SpoolSink<'_> {
+    type Error = WriteError;
+
+    /// As the spool was asked for, but STL has none.
+    fn wants_normals(&self) -> bool {
+        self.spool.surfaces.get(self.surface).is_some_and(|coming| coming.outline.has_normals)
+    }
+
+    fn piece(&mut self, counts: Counts, precision: Precision) -> Result<Piece<'_>, WriteError> {
+        let (spool, n) = (&mut *self.spool, self.surface);
+        let taken = spool.make_room(n, counts, precision);
+        taken.map_err(|fault| fault.at(spool.path(n)))?;
+        Ok(spool.surfaces[n].piece.renew(counts, precision))
+    }
+}
