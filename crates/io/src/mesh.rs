@@ -154,9 +154,19 @@ fn write_files<'a>(
         let mut output = Output::create(&path)?;
         let done = put(&mut output, format, surfaces, context, job, written);
         done.map_err(|fault| fault.at(&path))?;
-        Ok((path, output))
+        Ok(output)
     });
-    for (path, output) in whole.collect::<Result<Vec<_>, WriteError>>()? {
+    name_all(whole.collect::<Result<Vec<_>, WriteError>>()?, written)
+}
+
+/// Gives files that are whole their names.
+fn name_all(mut files: Vec<Output>, written: &mut Written) -> Result<(), WriteError> {
+    // All the way, so that none appears if there is no room for another one.
+    for output in &mut files {
+        output.flush().map_err(|error| WriteFault::Io(error).at(output.path()))?;
+    }
+    for output in files {
+        let path = output.path().to_owned();
         output.finish()?;
         written.files.push(path);
     }

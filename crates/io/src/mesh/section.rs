@@ -9,11 +9,13 @@ use crate::{Output, WriteFault};
 use isokit_job::Job;
 use std::{
     fs::File,
-    io::{self, Seek},
+    io::{self, Read, Seek},
 };
 
 /// Bytes that are copied between two looks at the job.
 const STEP: u64 = 64 << 20;
+/// Triples that are read back at a time.
+const TRIPLES: usize = 1 << 16;
 
 /// A part of a file, written piece by piece.
 #[derive(Debug)]
@@ -36,6 +38,33 @@ impl Section {
         let mut stream = Stream::new(&mut self.file, job);
         put(&mut stream)?;
         stream.finish()
+    }
+
+    /// How long it is.
+    pub(super) fn bytes(&self) -> u64 {
+        // Only progress is told, and what is not known is not worth a failure.
+        self.file.metadata().map_or(0, |about| about.len())
+    }
+
+    /// Reads back triples of whole numbers, some at a time.
+    pub(super) fn read(
+        mut self,
+        job: &Job,
+        mut take: impl FnMut(&[[u32; 3]]) -> Result<(), WriteFault>,
+    ) -> Result<(), WriteFault> {
+        self.file.rewind()?;
+        let mut left = self.file.metadata()?.len() as usize / size_of::<[u32; 3]>();
+        let mut triples = vec![[0; 3]; left.min(TRIPLES)];
+        while left > 0 {
+            let some = &mut triples[..left.min(TRIPLES)];
+            let bytes = bytemuck::cast_slice_mut(some);
+            self.file.read_exact(bytes)?;
+            job.progress.advance(bytes.len() as u64);
+            some.as_flattened_mut().iter_mut().for_each(|number| *number = u32::from_le(*number));
+            take(some)?;
+            left -= some.len();
+        }
+        Ok(())
     }
 
     /// Copies all of it to the end of `out`.

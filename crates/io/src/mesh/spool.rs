@@ -10,16 +10,13 @@
 //! to twice that.
 
 use super::{
-    MeshContext, SurfaceHead, Written, format_of, holds_several, outline::Outline, paths, ply,
-    sound,
+    MeshContext, SurfaceHead, Written, format_of, gltf, holds_several, name_all, obj,
+    outline::Outline, paths, ply, section::Section, sound, stl,
 };
 use crate::{Format, Output, WriteError, WriteFault};
-use isokit_job::{Job, Progress};
+use isokit_job::{Job, OverLimit};
 use isokit_mesh::{Counts, MeshSink, Piece, Precision, TriMesh};
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
+use std::{io, path::Path};
 
 /// Writes surfaces of which nobody has the whole; they may come in turns.
 ///
@@ -32,7 +29,7 @@ pub struct MeshSpool {
     job: Job,
     /// The same job, but its progress is that of whoever makes the pieces.
     quiet: Job,
-    files: Vec<(PathBuf, Output)>,
+    files: Vec<Output>,
     surfaces: Vec<Coming>,
     sections: Sections,
 }
@@ -66,6 +63,9 @@ enum State {
 #[derive(Debug)]
 enum Sections {
     Ply(Vec<ply::Spool>),
+    Stl(Vec<stl::Spool>),
+    Obj(Vec<obj::Spool>),
+    Gltf(Vec<gltf::Spool>),
 }
 
 impl MeshSpool {
@@ -85,24 +85,16 @@ impl MeshSpool {
     ) -> Result<Self, WriteError> {
         let format = format_of(path).map_err(|fault| fault.at(path))?;
         let paths = paths(format, path, surfaces.iter().map(|head| head.name.as_str()));
-        let files = paths.into_iter().map(|path| Ok((path.clone(), Output::create(&path)?)));
+        let files = paths.iter().map(|path| Output::create(path));
         let files = files.collect::<Result<Vec<_>, WriteError>>()?;
         let new = |head| Coming::new(head, normals && format != Format::Stl);
         let mut surfaces: Vec<_> = surfaces.into_iter().map(new).collect();
         if surfaces.is_empty() && !holds_several(format) {
             surfaces.push(Coming::new(SurfaceHead::default(), false));
         }
-        let sections = Sections::create(format, surfaces.len(), &files)?;
-        let quiet = Job { progress: Progress::default(), ..job.clone() };
-        Ok(Self {
-            format,
-            context: context.clone(),
-            job: job.clone(),
-            quiet,
-            files,
-            surfaces,
-            sections,
-        })
+        let sections = Sections::create(format, surfaces.len(), &files, context)?;
+        let (context, job, quiet) = (context.clone(), job.clone(), job.unwatched());
+        Ok(Self { format, context, job, quiet, files, surfaces, sections })
     }
 
     /// The sink of a surface, counted from 0. It may be taken again and again, for one piece or for many.
@@ -117,33 +109,29 @@ impl MeshSpool {
     /// As [`write_mesh`](super::write_mesh), or if a piece could not be taken in. Nothing is left behind.
     pub fn finish(mut self) -> Result<Written, WriteError> {
         for n in 0..self.surfaces.len() {
-            let whole = self.settle(n).and_then(|()| self.surfaces[n].check());
-            whole.map_err(|fault| fault.at(self.path(n)))?;
+            self.close(n).map_err(|fault| fault.at(self.path(n)))?;
         }
-        let mut written = Written::default();
-        let outlines = self.surfaces.into_iter().map(|coming| coming.outline);
-        let outlines: Vec<_> = outlines.collect();
-        let (context, job) = (&self.context, &self.job);
-        match self.sections {
-            Sections::Ply(all) => {
-                for ((spool, (path, out)), outline) in
-                    all.into_iter().zip(&mut self.files).zip(&outlines)
-                {
-                    spool.finish(out, outline, context, job).map_err(|fault| fault.at(&path))?;
-                }
-            }
+        self.job.progress.begin("write", self.sections.bytes());
+        let outlines: Vec<_> = self.surfaces.into_iter().map(|coming| coming.outline).collect();
+        let finish = Finish { outlines: &outlines, context: &self.context, job: &self.job };
+        finish.files(self.format, self.sections, self.files)
+    }
+
+    /// Ends a surface.
+    fn close(&mut self, surface: usize) -> Result<(), WriteFault> {
+        self.settle(surface)?;
+        let coming = &self.surfaces[surface];
+        coming.check()?;
+        match &mut self.sections {
+            Sections::Stl(all) => all[surface].put_waiting(&coming.outline, &self.quiet),
+            _ => Ok(()),
         }
-        for (path, output) in self.files {
-            output.finish()?;
-            written.files.push(path);
-        }
-        Ok(written)
     }
 
     /// The file of a surface, or the one of all.
     fn path(&self, surface: usize) -> &Path {
         let file = self.files.get(surface).or(self.files.first());
-        file.map_or(Path::new(""), |(path, _)| path)
+        file.map_or(Path::new(""), Output::path)
     }
 
     /// Ends a surface's last piece and counts the next one in.
@@ -159,7 +147,18 @@ impl MeshSpool {
         }
         self.settle(surface)?;
         let coming = &mut self.surfaces[surface];
-        coming.announce(self.format, counts, precision, &self.job)?;
+        // Without this piece the surface has a hole.
+        coming.state = State::Broken;
+        coming.announce(self.format, counts, precision)?;
+        match self.format {
+            Format::Stl => stl::check(coming.outline.counts.triangles)?,
+            Format::Glb | Format::Gltf => {
+                gltf::check(self.format, self.surfaces.iter().map(|coming| &coming.outline))?;
+            }
+            _ => {}
+        }
+        let coming = &mut self.surfaces[surface];
+        coming.probe(counts, &self.job)?;
         coming.state = State::Open;
         Ok(())
     }
@@ -175,10 +174,14 @@ impl MeshSpool {
             State::Open => coming.state = State::Broken,
         }
         coming.needed = sound::needed(coming.needed, &coming.piece.triangles);
+        let (piece, outline, job) = (&mut coming.piece, &coming.outline, &self.quiet);
         match &mut self.sections {
-            Sections::Ply(all) => all[surface].take(&coming.piece, &self.quiet)?,
+            Sections::Ply(all) => all[surface].take(piece, job)?,
+            Sections::Stl(all) => all[surface].take(piece, outline, job)?,
+            Sections::Obj(all) => all[surface].take(piece, job)?,
+            Sections::Gltf(all) => all[surface].take(piece, outline, job)?,
         }
-        self.surfaces[surface].state = State::Idle;
+        coming.state = State::Idle;
         Ok(())
     }
 }
@@ -187,30 +190,88 @@ impl Sections {
     fn create(
         format: Format,
         surfaces: usize,
-        files: &[(PathBuf, Output)],
+        files: &[Output],
+        context: &MeshContext,
     ) -> Result<Self, WriteError> {
         Ok(match format {
             Format::Ply => Self::Ply(spools(surfaces, files, ply::Spool::create)?),
-            _ => {
-                let fault = format!("{format} cannot be written in pieces");
-                return Err(WriteFault::Caller(fault.into()).at(&files[0].0));
-            }
+            Format::Stl => Self::Stl(spools(surfaces, files, stl::Spool::create)?),
+            Format::Obj => Self::Obj(spools(surfaces, files, obj::Spool::create)?),
+            _ => Self::Gltf(spools(surfaces, files, |out| gltf::Spool::create(out, context))?),
         })
+    }
+
+    /// Bytes that have come.
+    fn bytes(&self) -> u64 {
+        let sum =
+            |sections: &[&Section]| sections.iter().map(|section| section.bytes()).sum::<u64>();
+        match self {
+            Self::Ply(all) => all.iter().map(|spool| sum(&spool.sections())).sum(),
+            Self::Stl(all) => all.iter().map(|spool| sum(&spool.sections())).sum(),
+            Self::Obj(all) => all.iter().map(|spool| sum(&spool.sections())).sum(),
+            Self::Gltf(all) => all.iter().map(|spool| sum(&spool.sections())).sum(),
+        }
+    }
+}
+
+/// What all files need to be finished.
+struct Finish<'a> {
+    outlines: &'a [Outline],
+    context: &'a MeshContext,
+    job: &'a Job,
+}
+
+impl Finish<'_> {
+    fn files(
+        self,
+        format: Format,
+        sections: Sections,
+        mut files: Vec<Output>,
+    ) -> Result<Written, WriteError> {
+        let Self { outlines, context, job } = self;
+        let mut written = Written::default();
+        let own = |done: Result<(), WriteFault>, out: &Output| done.map_err(|f| f.at(out.path()));
+        match sections {
+            Sections::Ply(all) => {
+                for ((spool, out), outline) in all.into_iter().zip(&mut files).zip(outlines) {
+                    own(spool.finish(out, outline, context, job), out)?;
+                }
+            }
+            Sections::Stl(all) => {
+                for ((spool, out), outline) in all.into_iter().zip(&mut files).zip(outlines) {
+                    own(spool.finish(out, outline, context, job, &mut written), out)?;
+                }
+            }
+            Sections::Obj(all) => {
+                if let Some(out) = files.pop() {
+                    obj::finish(all, out, outlines, context, job, &mut written)?;
+                }
+            }
+            Sections::Gltf(all) if format == Format::Glb => {
+                if let Some(out) = files.first_mut() {
+                    let done = gltf::finish_glb(all, out, outlines, context, job, &mut written);
+                    own(done, out)?;
+                }
+            }
+            Sections::Gltf(all) => {
+                if let Some(out) = files.pop() {
+                    gltf::finish_gltf(all, out, outlines, context, job, &mut written)?;
+                }
+            }
+        }
+        name_all(files, &mut written)?;
+        Ok(written)
     }
 }
 
 /// A spool for each surface, beside its file or the one of all.
 fn spools<T>(
     surfaces: usize,
-    files: &[(PathBuf, Output)],
+    files: &[Output],
     create: impl Fn(&Output) -> io::Result<T>,
 ) -> Result<Vec<T>, WriteError> {
-    files
-        .iter()
-        .cycle()
-        .take(surfaces)
-        .map(|(path, out)| create(out).map_err(|error| WriteFault::Io(error).at(path)))
-        .collect()
+    let one = |out: &Output| create(out).map_err(|error| WriteFault::Io(error).at(out.path()));
+    files.iter().cycle().take(surfaces).map(one).collect()
 }
 
 impl Coming {
@@ -237,9 +298,8 @@ impl Coming {
         format: Format,
         more: Counts,
         precision: Precision,
-        job: &Job,
     ) -> Result<(), WriteFault> {
-        let Outline { counts, precision: held, has_normals, .. } = &mut self.outline;
+        let Outline { counts, precision: held, .. } = &mut self.outline;
         if self.has_begun && *held != precision {
             let fault = "its pieces differ in precision";
             return Err(sound::fault(&self.outline.head.name, fault));
@@ -254,17 +314,22 @@ impl Coming {
                 remedy: "extract it in parts",
             });
         }
-        let bytes = match precision {
+        (*held, self.has_begun) = (precision, true);
+        counts.vertices = vertices;
+        counts.triangles = counts.triangles.saturating_add(more.triangles);
+        Ok(())
+    }
+
+    /// Fails if a piece may not take so much memory.
+    fn probe(&self, counts: Counts, job: &Job) -> Result<(), OverLimit> {
+        let position = match self.outline.precision {
             Precision::F32 => size_of::<[f32; 3]>(),
             Precision::F64 => size_of::<[f64; 3]>(),
         };
-        let normals = if *has_normals { size_of::<[f32; 3]>() } else { 0 };
-        let limits = &job.limits;
-        limits.probe("a piece of a surface", Some(more.vertices), bytes + normals)?;
-        limits.probe("a piece of a surface", Some(more.triangles), size_of::<[u32; 3]>())?;
-        (*held, self.has_begun) = (precision, true);
-        counts.vertices = vertices;
-        counts.triangles += more.triangles;
+        let normal = if self.outline.has_normals { size_of::<[f32; 3]>() } else { 0 };
+        let what = "a piece of a surface";
+        job.limits.probe(what, Some(counts.vertices), position + normal)?;
+        job.limits.probe(what, Some(counts.triangles), size_of::<[u32; 3]>())?;
         Ok(())
     }
 }

@@ -48,6 +48,10 @@ impl Spool {
         self.faces.add(job, |stream| put_faces(stream, piece))
     }
 
+    pub(in crate::mesh) fn sections(&self) -> [&Section; 2] {
+        [&self.vertices, &self.faces]
+    }
+
     /// What [`write`] writes of the whole surface.
     pub(in crate::mesh) fn finish(
         self,
