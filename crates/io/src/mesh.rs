@@ -10,8 +10,10 @@ mod gltf;
 mod input;
 mod name;
 mod obj;
+mod outline;
 mod ply;
 mod rounding;
+mod section;
 mod sinks;
 mod sound;
 mod spool;
@@ -19,7 +21,8 @@ mod stl;
 mod stream;
 
 pub use input::{MeshInput, read_mesh};
-pub use spool::{MeshSpool, SpoolSink, SurfaceHead};
+pub use outline::SurfaceHead;
+pub use spool::{MeshSpool, SpoolSink};
 
 use crate::{Format, Output, WriteError, WriteFault};
 use isokit_geom::{Space, Unit};
@@ -81,14 +84,15 @@ pub fn write_mesh(
     match format {
         Format::Gltf => gltf::write_gltf(path, surfaces, context, job, &mut written)?,
         Format::Obj => obj::write_with_materials(path, surfaces, context, job, &mut written)?,
-        Format::Ply | Format::Stl if surfaces.len() > 1 => {
-            let paths = name::beside(path, surfaces.iter().map(|surface| surface.name.as_str()));
-            let surfaces = surfaces.iter().map(std::slice::from_ref);
-            write_files(format, paths.into_iter().zip(surfaces), context, job, &mut written)?;
-        }
         _ => {
-            let file = [(path.to_owned(), surfaces)];
-            write_files(format, file.into_iter(), context, job, &mut written)?;
+            let paths = paths(format, path, surfaces.iter().map(|surface| surface.name.as_str()));
+            // Each file takes its share: one surface, or all of them.
+            let share = |n: usize| match paths.len() {
+                1 => surfaces,
+                _ => std::slice::from_ref(&surfaces[n]),
+            };
+            let shares: Vec<_> = (0..paths.len()).map(share).collect();
+            write_files(format, paths.into_iter().zip(shares), context, job, &mut written)?;
         }
     }
     Ok(written)
@@ -121,6 +125,24 @@ fn format_of(path: &Path) -> Result<Format, WriteFault> {
     })
 }
 
+/// Whether one file of a format can hold several surfaces.
+fn holds_several(format: Format) -> bool {
+    !matches!(format, Format::Ply | Format::Stl)
+}
+
+/// The files that hold surfaces of these names, one for each or one for all.
+fn paths<'a>(
+    format: Format,
+    path: &Path,
+    names: impl ExactSizeIterator<Item = &'a str>,
+) -> Vec<PathBuf> {
+    match names.len() {
+        0 | 1 => vec![path.to_owned()],
+        _ if holds_several(format) => vec![path.to_owned()],
+        _ => name::beside(path, names),
+    }
+}
+
 /// Writes one file for each path. They get their names when all are whole.
 fn write_files<'a>(
     format: Format,
@@ -133,9 +155,19 @@ fn write_files<'a>(
         let mut output = Output::create(&path)?;
         let done = put(&mut output, format, surfaces, context, job, written);
         done.map_err(|fault| fault.at(&path))?;
-        Ok((path, output))
+        Ok(output)
     });
-    for (path, output) in whole.collect::<Result<Vec<_>, WriteError>>()? {
+    name_all(whole.collect::<Result<Vec<_>, WriteError>>()?, written)
+}
+
+/// Gives files that are whole their names.
+fn name_all(mut files: Vec<Output>, written: &mut Written) -> Result<(), WriteError> {
+    // All the way, so that none appears if there is no room for another one.
+    for output in &mut files {
+        output.flush().map_err(|error| WriteFault::Io(error).at(output.path()))?;
+    }
+    for output in files {
+        let path = output.path().to_owned();
         output.finish()?;
         written.files.push(path);
     }

@@ -3,7 +3,7 @@
 use crate::{WriteError, WriteFault};
 use std::{
     fs::{self, File},
-    io::{self, BufWriter, Seek, SeekFrom, Write},
+    io::{self, BufWriter, Read, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
 };
 use tempfile::NamedTempFile;
@@ -77,6 +77,28 @@ impl Output {
                 .and_then(|file| file.persist(place).map(drop).map_err(|error| error.error)),
         };
         done.map_err(|error| WriteFault::Io(error).at(self.path))
+    }
+
+    /// A file without a name that is gone when it is dropped: on the disk of this one, if this is a
+    /// regular file.
+    pub(crate) fn scratch(&self) -> io::Result<File> {
+        match &self.target {
+            Target::Beside(writer) => match writer.get_ref().path().parent() {
+                Some(folder) => tempfile::tempfile_in(folder),
+                None => tempfile::tempfile(),
+            },
+            Target::Direct(_) => tempfile::tempfile(),
+        }
+    }
+
+    /// Copies up to `most` bytes from where `file` stands, within the system where it can do so.
+    pub(crate) fn append(&mut self, file: &File, most: u64) -> io::Result<u64> {
+        self.flush()?;
+        let mut bytes = file.take(most);
+        match &mut self.target {
+            Target::Beside(writer) => io::copy(&mut bytes, writer.get_mut().as_file_mut()),
+            Target::Direct(writer) => io::copy(&mut bytes, writer.get_mut()),
+        }
     }
 
     /// The place where the file will stand.

@@ -117,6 +117,13 @@ impl TriMesh {
         Refill { mesh: self, filled: Counts::default() }
     }
 
+    /// Room for a new content in place of the old, in memory that is there or new. Normals as in
+    /// [`refill`](Self::refill).
+    pub fn renew(&mut self, counts: Counts, precision: Precision) -> Piece<'_> {
+        self.truncate(counts);
+        self.room(Counts::default(), counts, precision)
+    }
+
     /// Room for `more` behind the first `held`, in memory that is there or new.
     pub(crate) fn room(&mut self, held: Counts, more: Counts, precision: Precision) -> Piece<'_> {
         if self.positions.precision() != precision {
@@ -217,6 +224,9 @@ mod tests {
         assert_eq!(mesh.counts(), Counts { vertices: 6, triangles: 12 });
         assert_eq!((mesh.positions.get(1), mesh.positions.get(2)), ([3.0; 3], [5.0; 3]));
         assert_eq!(mesh.normals.as_ref().unwrap().len(), 6);
+        assert_eq!(mesh.triangles.as_ptr(), memory);
+        mesh.renew(Counts { vertices: 2, triangles: 12 }, Precision::F32);
+        assert_eq!(mesh.counts(), Counts { vertices: 2, triangles: 12 });
         assert_eq!(mesh.triangles.as_ptr(), memory);
         drop(mesh.refill());
         assert_eq!(mesh.counts(), Counts::default());

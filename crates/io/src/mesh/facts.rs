@@ -3,9 +3,9 @@
 //! PLY, OBJ and STL have room for remarks only, so the facts stand there as `KEY=value`: one to a line, or
 //! in STL all in the one header. `SPACE=RAS` and `SPACE=LPS` are 3D Slicer's; it reads ours, we read its.
 
-use super::{MeshContext, name};
+use super::{MeshContext, SurfaceHead, name};
 use isokit_geom::{Space, Unit};
-use isokit_mesh::{Rgba, Surface};
+use isokit_mesh::Rgba;
 
 /// Who wrote it; the first line of every header, and `asset.generator` in glTF.
 pub(super) const MAKER: &str = concat!("isokit ", env!("CARGO_PKG_VERSION"));
@@ -27,7 +27,7 @@ pub(super) fn of_file(context: &MeshContext) -> Vec<String> {
 }
 
 /// The facts of a surface, a line each.
-pub(super) fn of_surface(surface: &Surface) -> Vec<String> {
+pub(super) fn of_surface(surface: &SurfaceHead) -> Vec<String> {
     let name = Some(&surface.name).filter(|name| !name.is_empty());
     let name = name.map(|text| format!("NAME={}", name::line(text)));
     let iso = surface.iso.map(|iso| format!("ISO={iso}"));
@@ -36,7 +36,7 @@ pub(super) fn of_surface(surface: &Surface) -> Vec<String> {
 }
 
 /// All facts that one short line can hold; it never begins with `solid`.
-pub(super) fn in_one_line(context: &MeshContext, surface: &Surface) -> String {
+pub(super) fn in_one_line(context: &MeshContext, surface: &SurfaceHead) -> String {
     let plain = |text: &str| name::line(text).replace('=', "_");
     let mut line = format!("{MAKER} SPACE={} UNIT={}", context.space, context.unit);
     if let Some(iso) = surface.iso {
@@ -122,17 +122,17 @@ pub(super) fn space(word: &str) -> Space {
 #[cfg(test)]
 mod tests {
     use super::{Facts, in_one_line, of_file, of_surface};
-    use crate::MeshContext;
+    use crate::{MeshContext, SurfaceHead};
     use isokit_geom::{Space, Unit};
-    use isokit_mesh::{Rgba, Surface};
+    use isokit_mesh::Rgba;
 
-    fn example() -> (MeshContext, Surface, Facts) {
+    fn example() -> (MeshContext, SurfaceHead, Facts) {
         let (unit, space) = (Unit::Millimetre, Space::Lps);
         let command = "isokit extract a=b.nii".to_owned();
         let context = MeshContext { unit, space, command, gltf_unit: None };
         let (color, iso) = (Some(Rgba([1, 2, 3, 4])), Some(-0.1));
         let name = "left SPACE=x lung".to_owned();
-        let surface = Surface { name: name.clone(), color, iso, ..Surface::default() };
+        let surface = SurfaceHead { name: name.clone(), color, iso };
         (context, surface, Facts { is_ours: true, space, unit, name: Some(name), iso, color })
     }
 

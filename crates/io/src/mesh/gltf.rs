@@ -12,14 +12,19 @@ mod accessor;
 mod base64;
 mod buffers;
 mod container;
+mod content;
 mod document;
 mod layout;
+mod plan;
 mod read;
 mod scene;
+mod spool;
 mod transform;
 mod write;
 
+pub(super) use plan::check;
 pub(super) use read::read;
+pub(super) use spool::{Spool, finish_glb, finish_gltf};
 pub(super) use write::{write_glb, write_gltf};
 
 use super::MeshContext;

@@ -8,9 +8,11 @@
 mod material;
 mod object;
 mod read;
+mod spool;
 mod write;
 
 pub(super) use read::read;
+pub(super) use spool::{Spool, finish};
 pub(super) use write::{write, write_with_materials};
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ mod values;
 mod write;
 
 pub(super) use read::read;
-pub(super) use write::write;
+pub(super) use write::{Spool, write};
 
 #[cfg(test)]
 mod tests;

@@ -1,31 +1,42 @@
 //! Whether surfaces can be written at all.
 
 use crate::WriteFault;
-use isokit_mesh::{Surface, TriMesh};
+use isokit_mesh::{Counts, Surface, TriMesh};
 
 /// Goes on if every index names a vertex and every vertex has a normal or none has.
 ///
 /// An extractor's or reader's mesh always passes; one made by hand may not, and no writer can go on then.
 pub(super) fn check(surfaces: &[Surface]) -> Result<(), WriteFault> {
     surfaces.iter().try_for_each(|surface| {
-        let fault = fault(&surface.mesh);
-        fault.map_or(Ok(()), |fault| {
-            Err(WriteFault::Caller(format!("surface {:?}: {fault}", surface.name).into()))
-        })
+        let flaw = flaw(&surface.mesh);
+        flaw.map_or(Ok(()), |flaw| Err(fault(&surface.name, &flaw)))
     })
 }
 
-fn fault(mesh: &TriMesh) -> Option<String> {
+/// The caller's fault: what is wrong with a surface.
+pub(super) fn fault(name: &str, flaw: &str) -> WriteFault {
+    WriteFault::Caller(format!("surface {name:?}: {flaw}").into())
+}
+
+/// What is wrong if triangles name vertices up to `needed`.
+pub(super) fn too_few(counts: Counts, needed: u32) -> Option<String> {
+    let Counts { vertices, triangles } = counts;
+    let is_short = triangles > 0 && u64::from(needed) >= vertices;
+    is_short.then(|| format!("a triangle names vertex {needed} of {vertices}"))
+}
+
+/// The greatest number that these triangles and those before name.
+pub(super) fn needed(before: u32, triangles: &[[u32; 3]]) -> u32 {
+    triangles.iter().fold(before, |most, triangle| triangle.iter().fold(most, |g, &v| g.max(v)))
+}
+
+fn flaw(mesh: &TriMesh) -> Option<String> {
     let vertices = mesh.positions.len();
     let normals = mesh.normals.as_ref().map_or(vertices, Vec::len);
     if normals != vertices {
         return Some(format!("{vertices} vertices have {normals} normals"));
     }
-    let greatest =
-        |greatest: u32, triangle: &[u32; 3]| triangle.iter().fold(greatest, |g, &v| g.max(v));
-    let needed = mesh.triangles.iter().fold(0, greatest);
-    let is_short = !mesh.triangles.is_empty() && needed as usize >= vertices;
-    is_short.then(|| format!("a triangle names vertex {needed} of {vertices}"))
+    too_few(mesh.counts(), needed(0, &mesh.triangles))
 }
 
 #[cfg(test)]

@@ -7,11 +7,13 @@
 
 mod corners;
 mod read;
+mod spool;
 mod text;
 mod write;
 
 pub(super) use read::read;
-pub(super) use write::write;
+pub(super) use spool::Spool;
+pub(super) use write::{check, write};
 
 /// Bytes before the first triangle of a binary file.
 const HEAD: usize = 84;

@@ -3,6 +3,7 @@
 mod broken;
 mod chance;
 mod files;
+mod spool;
 
 use super::kit::{STREAMS, context, read_back, surface, written};
 use crate::Format;

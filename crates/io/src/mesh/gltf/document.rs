@@ -2,9 +2,10 @@
 
 use super::{
     Scale,
+    content::Bounds,
     layout::{Block, Blocks},
 };
-use crate::mesh::{MeshContext, NEUTRAL, axes::Y_UP, facts::MAKER};
+use crate::mesh::{MeshContext, NEUTRAL, SurfaceHead, axes::Y_UP, facts::MAKER};
 use gltf_json::{
     Accessor, Asset, Buffer, Index, Material, Mesh, Node, Root, Scene,
     accessor::{ComponentType, GenericComponentType, Type},
@@ -14,15 +15,8 @@ use gltf_json::{
     mesh::{Mode, Primitive, Semantic},
     validation::Checked::Valid,
 };
-use isokit_mesh::{Rgba, Surface};
+use isokit_mesh::Rgba;
 use serde_json::{Value, json};
-
-/// Least and greatest of the numbers that are written, axis by axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bounds {
-    pub(super) min: [f32; 3],
-    pub(super) max: [f32; 3],
-}
 
 /// What stands in the buffer for a surface.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +30,7 @@ const ROUGHNESS: f32 = 0.7;
 
 /// The document of some surfaces; an empty one has no content and becomes a node without a mesh.
 pub(super) fn document(
-    surfaces: &[(&Surface, Option<Content>)],
+    surfaces: &[(&SurfaceHead, Option<Content>)],
     context: &MeshContext,
     buffer: (u64, Option<String>),
 ) -> Root {
@@ -61,7 +55,7 @@ pub(super) fn document(
     root
 }
 
-fn named(surface: &Surface) -> Option<String> {
+fn named(surface: &SurfaceHead) -> Option<String> {
     Some(surface.name.clone()).filter(|name| !name.is_empty())
 }
 
@@ -82,7 +76,7 @@ fn asset(context: &MeshContext) -> Asset {
     Asset { generator: Some(MAKER.to_owned()), extras: raw(extras), ..Asset::default() }
 }
 
-fn mesh(root: &mut Root, surface: &Surface, content: Content) -> Index<Mesh> {
+fn mesh(root: &mut Root, surface: &SurfaceHead, content: Content) -> Index<Mesh> {
     let Content { blocks, bounds } = content;
     let vectors = |root: &mut Root, block: Block| {
         let view = view(root, block, Target::ArrayBuffer);
@@ -147,7 +141,7 @@ fn accessor(view: Index<View>, count: u64, component: ComponentType) -> Accessor
 /// Opaque surfaces are drawn from both sides: one that is open would else have holes where one looks at
 /// its inside, and of a closed one nobody sees the inside. Translucent ones are not, for what lies behind
 /// would be blended in no order.
-fn material(surface: &Surface) -> Material {
+fn material(surface: &SurfaceHead) -> Material {
     let color: Rgba = surface.color.unwrap_or(NEUTRAL);
     let is_translucent = color.is_translucent();
     Material {

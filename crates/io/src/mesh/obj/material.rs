@@ -2,14 +2,17 @@
 //!
 //! Only `Kd`, `d` and `Tr` are read; textures and shine say nothing of a surface's shape.
 
-use crate::mesh::{NEUTRAL, facts::MAKER};
-use isokit_mesh::{Rgba, Surface};
+use crate::mesh::{NEUTRAL, SurfaceHead, facts::MAKER};
+use isokit_mesh::Rgba;
 use std::{collections::HashMap, fmt::Write};
 
 /// One material for each surface. `Kd` is sRGB, as is the custom; Blender takes it for linear light.
-pub(super) fn text(surfaces: &[Surface], names: &[String]) -> String {
+pub(super) fn text<'a>(
+    surfaces: impl Iterator<Item = &'a SurfaceHead>,
+    names: &[String],
+) -> String {
     let mut text = format!("# {MAKER}\n");
-    for (surface, name) in surfaces.iter().zip(names) {
+    for (surface, name) in surfaces.zip(names) {
         let [r, g, b, a] = surface.color.unwrap_or(NEUTRAL).0.map(|byte| f32::from(byte) / 255.0);
         // Writing to memory does not fail.
         let _ = write!(text, "\nnewmtl {name}\nKd {r} {g} {b}\nd {a}\nillum 2\n");
@@ -49,14 +52,15 @@ pub(super) fn colors(text: &str) -> HashMap<&str, Rgba> {
 #[cfg(test)]
 mod tests {
     use super::{colors, text};
-    use isokit_mesh::{Rgba, Surface};
+    use crate::SurfaceHead;
+    use isokit_mesh::Rgba;
 
     #[test]
     fn every_byte_is_read_back() {
         for byte in 0..=255 {
             let color = Rgba([byte, 255 - byte, 7, byte]);
-            let surface = Surface { color: Some(color), ..Surface::default() };
-            let text = text(&[surface], &["a".into()]);
+            let surface = SurfaceHead { color: Some(color), ..SurfaceHead::default() };
+            let text = text([&surface].into_iter(), &["a".into()]);
             assert_eq!(colors(&text)["a"], color);
         }
     }

@@ -7,12 +7,17 @@ use crate::{
         MeshContext, Written,
         axes::{Y_UP, y_up},
         facts, name,
+        outline::Outline,
         stream::Stream,
     },
 };
 use isokit_job::Job;
 use isokit_mesh::{Positions, Precision, Surface};
-use std::{fmt::Display, io::Write, path::Path};
+use std::{
+    fmt::Display,
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 /// The remark that positions are f64; without it they are f32.
 pub(super) const IS_F64: &str = "PRECISION=f64";
@@ -25,17 +30,10 @@ pub(in crate::mesh) fn write_with_materials(
     job: &Job,
     written: &mut Written,
 ) -> Result<(), WriteError> {
-    let mtl = path.with_extension("mtl");
-    let library = mtl.file_name().unwrap_or_default().to_string_lossy();
+    let library = Library::beside(path, &outlines(surfaces));
     let mut object = Output::create(path)?;
     put_all(&mut object, surfaces, context, Some(&library), job).map_err(|fault| fault.at(path))?;
-    let mut materials = Output::create(&mtl)?;
-    let text = material::text(surfaces, &names(surfaces));
-    materials.write_all(text.as_bytes()).map_err(|error| WriteFault::Io(error).at(&mtl))?;
-    materials.finish()?;
-    object.finish()?;
-    written.files.extend([mtl, path.to_owned()]);
-    Ok(())
+    library.finish(object, written)
 }
 
 /// Writes all surfaces without materials.
@@ -48,68 +46,144 @@ pub(in crate::mesh) fn write(
     put_all(out, surfaces, context, None, job)
 }
 
+fn outlines(surfaces: &[Surface]) -> Vec<Outline> {
+    surfaces.iter().map(Outline::from).collect()
+}
+
+/// The materials of an OBJ, in a file beside it.
+pub(super) struct Library {
+    path: PathBuf,
+    text: String,
+}
+
+impl Library {
+    /// The materials of some surfaces for the OBJ at `path`.
+    pub(super) fn beside(path: &Path, outlines: &[Outline]) -> Self {
+        let text = material::text(outlines.iter().map(|outline| &outline.head), &names(outlines));
+        Self { path: path.with_extension("mtl"), text }
+    }
+
+    /// Writes the materials and gives them and the OBJ, which is whole, their names.
+    pub(super) fn finish(
+        self,
+        mut object: Output,
+        written: &mut Written,
+    ) -> Result<(), WriteError> {
+        let Self { path, text } = self;
+        let object_path = object.path().to_owned();
+        // All the way, so that no materials appear if there is no room for the OBJ.
+        object.flush().map_err(|error| WriteFault::Io(error).at(&object_path))?;
+        let mut materials = Output::create(&path)?;
+        materials.write_all(text.as_bytes()).map_err(|error| WriteFault::Io(error).at(&path))?;
+        materials.finish()?;
+        object.finish()?;
+        written.files.extend([path, object_path]);
+        Ok(())
+    }
+}
+
 /// What objects and materials are called: one word each, no two the same.
-fn names(surfaces: &[Surface]) -> Vec<String> {
-    name::distinct(surfaces.iter().map(|surface| name::word(&surface.name)))
+fn names(outlines: &[Outline]) -> Vec<String> {
+    name::distinct(outlines.iter().map(|outline| name::word(&outline.head.name)))
 }
 
 fn put_all(
     out: &mut dyn Write,
     surfaces: &[Surface],
     context: &MeshContext,
-    library: Option<&str>,
+    library: Option<&Library>,
     job: &Job,
 ) -> Result<(), WriteFault> {
-    let items = surfaces.iter().map(|surface| {
-        let counts = surface.mesh.counts();
-        let normals = if surface.mesh.normals.is_some() { counts.vertices } else { 0 };
-        counts.vertices + normals + counts.triangles
-    });
+    let outlines = outlines(surfaces);
+    let items = outlines
+        .iter()
+        .map(|outline| outline.counts.vertices + outline.normals() + outline.counts.triangles);
     job.progress.begin("write", items.sum());
     let mut stream = Stream::new(out, job);
-    remarks(&mut stream, &facts::of_file(context));
-    remarks(&mut stream, &[format!("AXES={Y_UP}")]);
-    if let Some(library) = library {
-        stream.put(format!("mtllib {}\n", name::line(library)).as_bytes());
-    }
-    let (mut vertices, mut normals) = (1, 1);
-    for (surface, name) in surfaces.iter().zip(names(surfaces)) {
-        remarks(&mut stream, &facts::of_surface(surface));
-        stream.put(format!("o {name}\n").as_bytes());
-        if library.is_some() {
-            stream.put(format!("usemtl {name}\n").as_bytes());
-        }
-        put_surface(&mut stream, surface, [vertices, normals])?;
-        vertices += surface.mesh.positions.len() as u64;
-        normals += surface.mesh.normals.as_ref().map_or(0, Vec::len) as u64;
+    stream.put(head(context, library).as_bytes());
+    for (surface, title) in surfaces.iter().zip(titles(&outlines, library)) {
+        stream.put(title.text.as_bytes());
+        let mesh = &surface.mesh;
+        put_vertices(&mut stream, &mesh.positions)?;
+        put_normals(&mut stream, mesh.normals.as_deref().unwrap_or_default())?;
+        put_faces(&mut stream, &mesh.triangles, title.first)?;
     }
     stream.finish()
 }
 
-fn remarks(stream: &mut Stream<'_>, lines: &[String]) {
-    for line in lines {
+/// What stands before a surface, and how its faces count.
+pub(super) struct Title {
+    pub(super) text: String,
+    pub(super) first: First,
+}
+
+/// The numbers of a surface's first vertex and first normal.
+#[derive(Clone, Copy)]
+pub(super) struct First {
+    vertex: u64,
+    /// `None` if it has no normals.
+    normal: Option<u64>,
+}
+
+/// All that comes before the first surface.
+pub(super) fn head(context: &MeshContext, library: Option<&Library>) -> String {
+    let mut text = remarks(&facts::of_file(context)) + &remarks(&[format!("AXES={Y_UP}")]);
+    if let Some(library) = library {
+        let name = library.path.file_name().unwrap_or_default().to_string_lossy();
+        text += &format!("mtllib {}\n", name::line(&name));
+    }
+    text
+}
+
+/// What stands before each surface.
+pub(super) fn titles(outlines: &[Outline], library: Option<&Library>) -> Vec<Title> {
+    let (mut vertex, mut normal) = (1, 1);
+    let title = |(outline, name): (&Outline, String)| {
+        let mut text = remarks(&facts::of_surface(&outline.head)) + &format!("o {name}\n");
+        if library.is_some() {
+            text += &format!("usemtl {name}\n");
+        }
+        if outline.precision == Precision::F64 {
+            text += &remarks(&[IS_F64.to_owned()]);
+        }
+        let first = First { vertex, normal: outline.has_normals.then_some(normal) };
+        vertex += outline.counts.vertices;
+        normal += outline.normals();
+        Title { text, first }
+    };
+    outlines.iter().zip(names(outlines)).map(title).collect()
+}
+
+fn remarks(lines: &[String]) -> String {
+    let remark = |line: &String| {
         // A line that ends with `\` goes on in the next.
         let end = if line.ends_with('\\') { " \n" } else { "\n" };
-        stream.put(format!("# {line}{end}").as_bytes());
+        format!("# {line}{end}")
+    };
+    lines.iter().map(remark).collect()
+}
+
+pub(super) fn put_vertices(
+    stream: &mut Stream<'_>,
+    positions: &Positions,
+) -> Result<(), WriteFault> {
+    match positions {
+        Positions::F32(all) => stream.items(all, |bytes, &xyz| put(bytes, "v", y_up(xyz))),
+        Positions::F64(all) => stream.items(all, |bytes, &xyz| put(bytes, "v", y_up(xyz))),
     }
 }
 
-/// Puts a surface whose first vertex and first normal have these numbers.
-fn put_surface(
+pub(super) fn put_normals(stream: &mut Stream<'_>, normals: &[[f32; 3]]) -> Result<(), WriteFault> {
+    stream.items(normals, |bytes, &xyz| put(bytes, "vn", y_up(xyz)))
+}
+
+/// Puts triangles of a surface.
+pub(super) fn put_faces(
     stream: &mut Stream<'_>,
-    surface: &Surface,
-    [vertex, normal]: [u64; 2],
+    triangles: &[[u32; 3]],
+    First { vertex, normal }: First,
 ) -> Result<(), WriteFault> {
-    let mesh = &surface.mesh;
-    if mesh.positions.precision() == Precision::F64 {
-        remarks(stream, &[IS_F64.to_owned()]);
-    }
-    match &mesh.positions {
-        Positions::F32(all) => stream.items(all, |bytes, &xyz| put(bytes, "v", y_up(xyz)))?,
-        Positions::F64(all) => stream.items(all, |bytes, &xyz| put(bytes, "v", y_up(xyz)))?,
-    }
-    let triangles = mesh.triangles.iter();
-    match &mesh.normals {
+    match normal {
         None => stream.items(triangles, |bytes, corners| {
             bytes.push(b'f');
             for &corner in corners {
@@ -118,19 +192,16 @@ fn put_surface(
             }
             bytes.push(b'\n');
         }),
-        Some(normals) => {
-            stream.items(normals, |bytes, &xyz| put(bytes, "vn", y_up(xyz)))?;
-            stream.items(triangles, |bytes, corners| {
-                bytes.push(b'f');
-                for &corner in corners {
-                    bytes.push(b' ');
-                    put_number(bytes, vertex + u64::from(corner));
-                    bytes.extend(b"//");
-                    put_number(bytes, normal + u64::from(corner));
-                }
-                bytes.push(b'\n');
-            })
-        }
+        Some(normal) => stream.items(triangles, |bytes, corners| {
+            bytes.push(b'f');
+            for &corner in corners {
+                bytes.push(b' ');
+                put_number(bytes, vertex + u64::from(corner));
+                bytes.extend(b"//");
+                put_number(bytes, normal + u64::from(corner));
+            }
+            bytes.push(b'\n');
+        }),
     }
 }
 

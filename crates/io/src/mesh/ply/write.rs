@@ -1,15 +1,17 @@
 //! Writes binary PLY.
 
 use crate::{
-    WriteFault,
+    Output, WriteFault,
     mesh::{
         MeshContext, facts,
+        outline::Outline,
+        section::Section,
         stream::{Stream, put_f32, put_f64, put_u32},
     },
 };
 use isokit_job::Job;
 use isokit_mesh::{Positions, Precision, Surface, TriMesh};
-use std::io::Write;
+use std::io::{self, Write};
 
 /// Writes one surface.
 pub(in crate::mesh) fn write(
@@ -22,19 +24,56 @@ pub(in crate::mesh) fn write(
     let counts = mesh.counts();
     job.progress.begin("write", counts.vertices + counts.triangles);
     let mut stream = Stream::new(out, job);
-    stream.put(header(surface, context).as_bytes());
-    match &mesh.positions {
-        Positions::F32(all) => put_vertices(&mut stream, all, mesh, put_f32)?,
-        Positions::F64(all) => put_vertices(&mut stream, all, mesh, put_f64)?,
-    }
-    stream.items(mesh.triangles.iter(), |bytes, &corners| {
-        bytes.push(3);
-        put_u32(bytes, corners);
-    })?;
+    stream.put(header(&surface.into(), context).as_bytes());
+    put_vertices(&mut stream, mesh)?;
+    put_faces(&mut stream, mesh)?;
     stream.finish()
 }
 
-fn put_vertices<T: Copy>(
+/// A surface that comes in pieces.
+#[derive(Debug)]
+pub(in crate::mesh) struct Spool {
+    vertices: Section,
+    faces: Section,
+}
+
+impl Spool {
+    pub(in crate::mesh) fn create(beside: &Output) -> io::Result<Self> {
+        Ok(Self { vertices: Section::create(beside)?, faces: Section::create(beside)? })
+    }
+
+    /// Takes in the next piece.
+    pub(in crate::mesh) fn take(&mut self, piece: &TriMesh, job: &Job) -> Result<(), WriteFault> {
+        self.vertices.add(job, |stream| put_vertices(stream, piece))?;
+        self.faces.add(job, |stream| put_faces(stream, piece))
+    }
+
+    pub(in crate::mesh) fn sections(&self) -> [&Section; 2] {
+        [&self.vertices, &self.faces]
+    }
+
+    /// What [`write`] writes of the whole surface.
+    pub(in crate::mesh) fn finish(
+        self,
+        out: &mut Output,
+        outline: &Outline,
+        context: &MeshContext,
+        job: &Job,
+    ) -> Result<(), WriteFault> {
+        out.write_all(header(outline, context).as_bytes())?;
+        self.vertices.append_to(out, job)?;
+        self.faces.append_to(out, job)
+    }
+}
+
+fn put_vertices(stream: &mut Stream<'_>, mesh: &TriMesh) -> Result<(), WriteFault> {
+    match &mesh.positions {
+        Positions::F32(all) => put_each(stream, all, mesh, put_f32),
+        Positions::F64(all) => put_each(stream, all, mesh, put_f64),
+    }
+}
+
+fn put_each<T: Copy>(
     stream: &mut Stream<'_>,
     positions: &[T],
     mesh: &TriMesh,
@@ -49,23 +88,30 @@ fn put_vertices<T: Copy>(
     }
 }
 
-fn header(surface: &Surface, context: &MeshContext) -> String {
-    let mesh = &surface.mesh;
+fn put_faces(stream: &mut Stream<'_>, mesh: &TriMesh) -> Result<(), WriteFault> {
+    stream.items(mesh.triangles.iter(), |bytes, &corners| {
+        bytes.push(3);
+        put_u32(bytes, corners);
+    })
+}
+
+fn header(outline: &Outline, context: &MeshContext) -> String {
+    let vertices = outline.counts.vertices;
     let mut lines = vec!["ply".to_owned(), "format binary_little_endian 1.0".to_owned()];
-    let facts = facts::of_file(context).into_iter().chain(facts::of_surface(surface));
+    let facts = facts::of_file(context).into_iter().chain(facts::of_surface(&outline.head));
     lines.extend(facts.map(|fact| format!("comment {fact}")));
-    lines.push(format!("element vertex {}", mesh.positions.len()));
-    let float = match mesh.positions.precision() {
+    lines.push(format!("element vertex {vertices}"));
+    let float = match outline.precision {
         Precision::F32 => "float",
         Precision::F64 => "double",
     };
     lines.extend(["x", "y", "z"].map(|name| format!("property {float} {name}")));
-    if mesh.normals.is_some() {
+    if outline.has_normals {
         lines.extend(["nx", "ny", "nz"].map(|name| format!("property float {name}")));
     }
-    lines.push(format!("element face {}", mesh.triangles.len()));
+    lines.push(format!("element face {}", outline.counts.triangles));
     // Every reader knows `int`; `uint` is taken where it is needed.
-    let index = if i32::try_from(mesh.positions.len()).is_ok() { "int" } else { "uint" };
+    let index = if i32::try_from(vertices).is_ok() { "int" } else { "uint" };
     lines.push(format!("property list uchar {index} vertex_indices"));
     lines.push("end_header\n".to_owned());
     lines.join("\n")

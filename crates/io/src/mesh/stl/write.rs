@@ -4,6 +4,7 @@ use crate::{
     Format, WriteFault,
     mesh::{
         MeshContext, Written, facts,
+        outline::Outline,
         rounding::Loss,
         stream::{Stream, put_f32},
     },
@@ -20,27 +21,47 @@ pub(in crate::mesh) fn write(
     job: &Job,
     written: &mut Written,
 ) -> Result<(), WriteFault> {
-    let mesh = &surface.mesh;
-    let count = count(mesh.counts().triangles)?;
+    let (mesh, outline) = (&surface.mesh, Outline::from(surface));
+    let head = head(&outline, context)?;
     // f32 is written as it is, and loses nothing.
-    if mesh.positions.precision() == Precision::F64 {
-        Loss::of(surface, stored, |xyz| xyz, job)?.report(surface, Format::Stl, written);
+    if outline.precision == Precision::F64 {
+        Loss::of(&mesh.positions, stored, |xyz| xyz, job)?.report(&outline, Format::Stl, written);
     }
-    job.progress.begin("write", count.into());
+    job.progress.begin("write", outline.counts.triangles);
     let mut stream = Stream::new(out, job);
-    stream.put(&header(&facts::in_one_line(context, surface)));
-    stream.put(&count.to_le_bytes());
-    stream.items(&mesh.triangles, |bytes, &triangle| {
-        let corners = mesh.corners(triangle).map(stored);
-        put_f32(bytes, normal(corners));
-        corners.into_iter().for_each(|corner| put_f32(bytes, corner));
-        bytes.extend([0; 2]);
-    })?;
+    stream.put(&head);
+    put_facets(&mut stream, &mesh.triangles, |triangle| mesh.corners(triangle).map(stored))?;
     stream.finish()
 }
 
-fn stored(xyz: [f64; 3]) -> [f32; 3] {
+/// All that comes before the first triangle.
+pub(super) fn head(outline: &Outline, context: &MeshContext) -> Result<Vec<u8>, WriteFault> {
+    let count = count(outline.counts.triangles)?;
+    let text = header(&facts::in_one_line(context, &outline.head));
+    Ok([&text[..], &count.to_le_bytes()].concat())
+}
+
+/// Puts triangles, given where their corners are.
+pub(super) fn put_facets(
+    stream: &mut Stream<'_>,
+    triangles: &[[u32; 3]],
+    corners: impl Fn([u32; 3]) -> [[f32; 3]; 3],
+) -> Result<(), WriteFault> {
+    stream.items(triangles, |bytes, &triangle| {
+        let corners = corners(triangle);
+        put_f32(bytes, normal(corners));
+        corners.into_iter().for_each(|corner| put_f32(bytes, corner));
+        bytes.extend([0; 2]);
+    })
+}
+
+pub(super) fn stored(xyz: [f64; 3]) -> [f32; 3] {
     xyz.map(|c| c as f32)
+}
+
+/// Goes on if the header can count so many.
+pub(in crate::mesh) fn check(triangles: u64) -> Result<(), WriteFault> {
+    count(triangles).map(drop)
 }
 
 fn count(triangles: u64) -> Result<u32, WriteFault> {
