@@ -3,6 +3,9 @@
 //! In memory every mesh is z up, in the unit and the space of its [`MeshContext`]. Each format has axes,
 //! unit and precision of its own; what is done about that stands in the header of its module, and in the
 //! header of every file that is written.
+//!
+//! A format's header and sections are encoded in one place each, for surfaces in memory and for those that
+//! come in pieces.
 
 mod axes;
 mod facts;

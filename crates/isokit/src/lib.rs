@@ -33,6 +33,7 @@
 //! | know what is read and written, in which axes and units | [`guide::formats`], [`io`] |
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |
+//! | write a surface that no memory holds | [`io::MeshSpool`] |
 //! | find out what is wrong with a mesh | [`mesh::topology`] |
 //! | weld a mesh of somebody else | [`mesh::weld_exact`], [`mesh::weld_within`] |
 //! | stop, watch or limit a long task | [`job::Job`] |

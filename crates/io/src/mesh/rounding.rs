@@ -63,8 +63,8 @@ impl Loss {
 
 /// The loss of a surface that comes in pieces.
 ///
-/// A vertex is compared with those of its piece and of the one before, as far as memory reaches: those
-/// that fall together are near each other, and so are the pieces that bring them.
+/// A vertex is compared with those of its piece and of the last one before that had any; equal places
+/// farther apart are not seen.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     /// Equal to an earlier position, once stored and as they came.

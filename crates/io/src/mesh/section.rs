@@ -1,8 +1,7 @@
 //! A part of a file that grows while the parts before it grow too.
 //!
 //! It is kept in a file without a name, in the bytes that it will have, and copied to its place when all
-//! is there; the system copies, and where its disks can share blocks it does not even do that. A section
-//! is gone once it is copied, so together they never take more than twice the disk of what is written.
+//! is there: by the system, which may let both files share their blocks. A section that is copied is gone.
 
 use super::stream::Stream;
 use crate::{Output, WriteFault};

@@ -5,9 +5,9 @@
 //! all pieces have come the header is written and the sections are copied behind it. What is written is,
 //! byte for byte, what [`write_mesh`](super::write_mesh) writes of the whole surfaces.
 //!
-//! Of each surface the piece that is being filled is in memory, and where the format needs them the
-//! positions of the two before and the triangles of one. The disk holds what has come, and at the end up
-//! to twice that.
+//! In memory is, of each surface, the piece that is being filled; for STL and glTF also the positions of
+//! the pieces just before, and for STL the triangles of one. The disk holds what has come, and while it is
+//! copied at most twice that.
 
 use super::{
     MeshContext, SurfaceHead, Written, format_of, gltf, holds_several, name_all, obj,
@@ -18,10 +18,40 @@ use isokit_job::{Job, OverLimit};
 use isokit_mesh::{Counts, MeshSink, Piece, Precision, TriMesh};
 use std::{io, path::Path};
 
-/// Writes surfaces of which nobody has the whole; they may come in turns.
+/// Writes surfaces of which nobody has the whole; their pieces may come in turns.
+///
+/// The files and what is said of them are those of [`write_mesh`](super::write_mesh), but for two limits of
+/// what is remembered. [`Written::merged_vertices`] compares a vertex with those of its piece and of the
+/// one before that had any: vertices that fall together farther apart are not counted. And in STL a
+/// triangle may name vertices of those two pieces and of the next one only, or it is an error.
 ///
 /// Dropped before it is [finished](Self::finish) it leaves nothing behind, and what stood under the names
 /// before still stands there.
+///
+/// ```
+/// use isokit_io::{MeshContext, MeshSpool, SurfaceHead, WriteError};
+/// use isokit_job::Job;
+/// use isokit_mesh::{Counts, MeshSink, PositionsMut, Precision};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("strip.ply");
+/// let strip = SurfaceHead { name: "strip".into(), ..SurfaceHead::default() };
+/// let mut spool =
+///     MeshSpool::create(&path, vec![strip], false, &MeshContext::default(), &Job::default())?;
+/// for step in 0..1000_u32 {
+///     let counts = Counts { vertices: 2, triangles: u64::from(step < 999) };
+///     let mut sink = spool.sink(0);
+///     let piece = sink.piece(counts, Precision::F32)?;
+///     if let PositionsMut::F32(positions) = piece.positions {
+///         positions.copy_from_slice(&[[step as f32, 0.0, 0.0], [step as f32, 1.0, 0.0]]);
+///     }
+///     // The last corner is a vertex of the next piece.
+///     piece.triangles.fill([2 * step, 2 * step + 2, 2 * step + 1]);
+/// }
+/// let written = spool.finish()?;
+/// assert_eq!(written.files, [path]);
+/// # Ok::<(), WriteError>(())
+/// ```
 #[derive(Debug)]
 pub struct MeshSpool {
     format: Format,
@@ -71,7 +101,7 @@ enum Sections {
 impl MeshSpool {
     /// Begins files for surfaces of which nothing is known but this. Each gets its name when all are whole.
     ///
-    /// The names of files are those that [`write_mesh`](super::write_mesh) gives.
+    /// With `normals`, each piece asks for them where the format has some.
     ///
     /// # Errors
     ///
@@ -102,7 +132,8 @@ impl MeshSpool {
         SpoolSink { spool: self, surface }
     }
 
-    /// Writes all that has come to the files and gives them their names.
+    /// Writes all that has come to the files and gives them their names. The job's progress counts bytes;
+    /// while pieces come it is left to whoever makes them.
     ///
     /// # Errors
     ///

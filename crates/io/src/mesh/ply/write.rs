@@ -52,7 +52,7 @@ impl Spool {
         [&self.vertices, &self.faces]
     }
 
-    /// What [`write`] writes of the whole surface.
+    /// What [`write()`] writes of the whole surface.
     pub(in crate::mesh) fn finish(
         self,
         out: &mut Output,

@@ -107,3 +107,27 @@ fn unknown(vertex: u32, known: &Range<u64>) -> String {
         known.end.saturating_sub(1)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Spool;
+    use crate::{Output, mesh::outline::Outline};
+    use isokit_job::Job;
+    use isokit_mesh::{Positions, TriMesh};
+
+    #[test]
+    fn any_number_of_pieces_takes_the_memory_of_three() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::create(&folder.path().join("a.stl")).unwrap();
+        let mut spool = Spool::create(&output).unwrap();
+        for piece in 0..100_u32 {
+            let positions = Positions::F32(vec![[piece as f32; 3]; 10]);
+            let triangles = vec![[10 * piece, 10 * piece + 1, 10 * piece + 10]; 20];
+            let mut piece = TriMesh { positions, normals: None, triangles };
+            spool.take(&mut piece, &Outline::default(), &Job::default()).unwrap();
+        }
+        assert_eq!((spool.places.len(), spool.waiting.len()), (20, 20));
+        assert!(spool.places.capacity() < 100 && spool.waiting.capacity() < 100);
+        assert_eq!(spool.facets.bytes(), 99 * 20 * 50);
+    }
+}
