@@ -13,10 +13,11 @@ use crate::{
 use anyhow::{Context, Result};
 use isokit::{
     io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
+    job::Job,
     lanes::return_freed_memory,
     marching_cubes::Skipped,
     mesh::{Surface, TriMesh, topology},
-    pipeline::{Index, IsoChoice, Scan},
+    pipeline::{Index, IsoChoice, PipelineError, Scan},
 };
 use std::{io::Write, time::Instant};
 
@@ -48,7 +49,7 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     if plan.index {
         index(&mut scan, &mut timings, session)?;
     }
-    let isos = isos(plan, &scan, session)?;
+    let isos = isos(&plan.levels, |choice, job| scan.iso(choice, job), session)?;
     let (meshes, skipped) = meshes(plan, &scan, &isos, &mut timings, session)?;
     let surfaces = surfaces(&plan.levels, &isos, meshes);
     for surface in &surfaces {
@@ -88,15 +89,19 @@ fn index(scan: &mut Scan, timings: &mut Timings, session: &Session<'_, '_>) -> R
 }
 
 /// The isovalues that were meant. What was chosen for the user is told.
-fn isos(plan: &ExtractPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<Vec<f64>> {
+pub(super) fn isos(
+    levels: &[LevelPlan],
+    find: impl Fn(IsoChoice, &Job) -> Result<f64, PipelineError>,
+    session: &Session<'_, '_>,
+) -> Result<Vec<f64>> {
     let iso = |level: &LevelPlan| {
-        let iso = scan.iso(level.iso, &session.job)?;
+        let iso = find(level.iso, &session.job)?;
         if !matches!(level.iso, IsoChoice::Value(_)) {
             session.console.note(&format!("--iso {} is {iso} here", level.iso));
         }
         Ok(iso)
     };
-    plan.levels.iter().map(iso).collect()
+    levels.iter().map(iso).collect()
 }
 
 /// A mesh for each isovalue, made as often as was asked for, and what was skipped each time.

@@ -1,6 +1,6 @@
 //! `extract --max-memory`: from a volume to a mesh, a few slices at a time.
 
-use super::extract::surface_name;
+use super::extract::{isos, surface_name};
 use crate::{
     Session,
     fault::CallerError,
@@ -18,7 +18,7 @@ use isokit::{
     lanes::return_large_memory_when_freed,
     marching_cubes::{Budget, Extracted, Skipped},
     mesh::{Gauge, Gauged},
-    pipeline::{IsoChoice, PipelineError, SlabScan, SurfaceOptions},
+    pipeline::{PipelineError, SlabScan, SurfaceOptions},
 };
 use std::{path::Path, time::Instant};
 
@@ -46,7 +46,9 @@ pub(super) fn extract(
     let scan = if is_told { scan.observed() } else { scan };
     scan.notes().iter().for_each(|note| session.console.note(note));
     let budget = budget(plan, limit, &scan, if is_told { GAUGED } else { WRITTEN })?;
-    let isos = timed(&mut timings.read, || isos(plan, &scan, session))?;
+    let isos = timed(&mut timings.read, || {
+        isos(&plan.levels, |choice, job| scan.iso(choice, job), session)
+    })?;
     let heads = heads(&plan.levels, &isos);
     let Stream::File(path) = &plan.target.stream else {
         unreachable!("the plan has a file");
@@ -87,8 +89,7 @@ fn pass(
 /// What may be in memory at a time.
 fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan, copies: u64) -> Result<Budget> {
     let left = limit.saturating_sub(BASE);
-    let pieces = copies * plan.levels.len() as u64;
-    let budget = scan.budget(left, pieces, &plan.surface);
+    let budget = scan.budget(left, (plan.levels.len() as u64, copies), &plan.surface);
     Ok(budget.map_err(|over| {
         let needed = over.needed.saturating_add(BASE).div_ceil(1 << 20);
         let message = format!("--max-memory is too little: four slices need {needed}MiB in all");
@@ -102,18 +103,6 @@ fn explained(error: PipelineError) -> anyhow::Error {
     let OverLimit { what, needed, limit } = over;
     let message = format!("--max-memory is too little: {what} needs {needed} bytes of {limit}");
     CallerError { message, advice: "allow more, or take a part of each slice with --roi" }.into()
-}
-
-/// The isovalues that were meant. What was chosen for the user is told.
-fn isos(plan: &ExtractPlan, scan: &SlabScan, session: &Session<'_, '_>) -> Result<Vec<f64>> {
-    let iso = |level: &LevelPlan| {
-        let iso = scan.iso(level.iso, &session.job)?;
-        if !matches!(level.iso, IsoChoice::Value(_)) {
-            session.console.note(&format!("--iso {} is {iso} here", level.iso));
-        }
-        Ok(iso)
-    };
-    plan.levels.iter().map(iso).collect()
 }
 
 fn heads(levels: &[LevelPlan], isos: &[f64]) -> Vec<SurfaceHead> {

@@ -6,7 +6,8 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_lanes::{
     BitRows, CaseTable, Edges, Field, FirstVertices, Lane, Level, RowCounts, Samples, Threshold,
-    Vertices, Word, count_rows, signs, triangles, vertices, words, words_of_rows,
+    Thresholds, Vertices, Word, count_rows, signs_of_many, triangles, vertices, words,
+    words_of_rows,
 };
 use std::hint::black_box;
 
@@ -31,11 +32,12 @@ fn signs_of<T: Lane>(criterion: &mut Criterion, name: &str, sample: fn(u64) -> T
     let mut chance = chance();
     let samples: Vec<T> = (0..ROW * ROWS).map(|_| sample(chance())).collect();
     let mut bits = vec![0; words(ROW)];
+    let threshold = Thresholds::new(&[Threshold::AtLeast(bound)]).expect("a bound");
     group.throughput(Throughput::Bytes(size_of_val(&samples[..]) as u64));
     group.bench_function(BenchmarkId::new("signs", name), |bencher| {
         bencher.iter(|| {
             for row in samples.chunks_exact(ROW) {
-                signs(black_box(row), Threshold::AtLeast(bound), black_box(&mut bits));
+                signs_of_many(black_box(row), &threshold, black_box(&mut bits));
             }
         });
     });

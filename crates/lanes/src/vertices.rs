@@ -368,7 +368,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
             *part = *part * scale;
         }
         let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
-        let outward = wide.f32(-1.0) / square.sqrt();
+        let outward = wide.f32(-1.0) / wide.sqrt(square);
         wide.interleave([world[0] * outward, world[1] * outward, world[2] * outward], out);
         let is_tame = greatest.less(wide.f32(TAME.end)) & !greatest.less(wide.f32(TAME.start));
         // A part that is NaN may hide behind the greatest of the others, not in the sum of squares.

@@ -103,7 +103,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
         let extract = |((planes, &iso), sink): ((Planes, &f64), &mut S)| {
             let layout = layout(&planes, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
-            let bytes = output_bytes(counts, precision, sink.wants_normals());
+            let bytes = counts.bytes(precision, sink.wants_normals());
             job.limits.probe("surface", bytes, 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
@@ -213,16 +213,6 @@ pub(crate) fn precision(grid: &Grid, options: &ExtractOptions) -> (Precision, f6
 fn step_of_f32(value: f64) -> f64 {
     let value = value as f32;
     f64::from(value.next_up()) - f64::from(value)
-}
-
-/// What so many vertices and triangles take. `None` if that cannot be counted.
-pub(crate) fn output_bytes(counts: Counts, precision: Precision, normals: bool) -> Option<u64> {
-    let position = match precision {
-        Precision::F32 => 12,
-        Precision::F64 => 24,
-    };
-    let vertex = position + if normals { 12 } else { 0 };
-    counts.vertices.checked_mul(vertex)?.checked_add(counts.triangles.checked_mul(12)?)
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub use budget::Budget;
 
 use crate::{
     ExtractError, ExtractOptions, Extracted, Nan, Skipped, SlabError, Source,
-    extract::{output_bytes, precision},
+    extract::precision,
     fill::{Fill, Winding},
     layout::{Layout, Part},
     planes::{Lattice, Planes},
@@ -25,7 +25,7 @@ use crate::{
 };
 use isokit_job::{Job, OverLimit};
 use isokit_mesh::{Counts, MeshSink, MeshSinks, Precision};
-use isokit_volume::{Grid, Sample, SlabSource};
+use isokit_volume::{Grid, Sample, SlabSource, View};
 use std::ops::Range;
 use window::Window;
 
@@ -71,9 +71,11 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
         if window.nan.count > 0 {
             continue; // only to count them
         }
-        for (n, surface) in surfaces.iter_mut().enumerate() {
+        let view = window.view();
+        let planes = job.threads.run(|| making.planes(&view))?;
+        for (n, (surface, planes)) in surfaces.iter_mut().zip(&planes).enumerate() {
             let mut sink = sinks.sink(n);
-            job.threads.run(|| making.part(&window, surface, &mut sink))?;
+            job.threads.run(|| making.part(&window, planes, surface, &mut sink))?;
         }
     }
     if let Some(first) = window.nan.first {
@@ -132,25 +134,27 @@ struct Making<'a> {
 }
 
 impl Making<'_> {
+    /// The planes of all isovalues. NaN that is an error was looked for already.
+    fn planes<T: Sample, E: Send>(
+        &self,
+        view: &View<'_, T>,
+    ) -> Result<Vec<Planes>, ExtractError<E>> {
+        let Slabs { isos, options, .. } = self.slabs;
+        let nan = if options.nan == Nan::Mask { Nan::Mask } else { Nan::Outside };
+        let lattice = Lattice::new(view.dims(), options.boundary);
+        Ok(Planes::classify(&Source::from(view), lattice, isos, nan, self.job)?.0)
+    }
+
     /// The part of a surface that belongs to the slices of a window.
     fn part<T: Sample, S: MeshSink<Error: Send>>(
         &self,
         window: &Window<T>,
+        planes: &Planes,
         surface: &mut Surface,
         sink: &mut S,
     ) -> Result<(), ExtractError<S::Error>> {
-        let (options, job) = (self.slabs.options, self.job);
-        let view = window.view();
-        let lattice = Lattice::new(view.dims(), options.boundary);
-        if !lattice.has_cells() {
-            return Ok(());
-        }
-        // NaN that is an error was looked for already.
-        let nan = if options.nan == Nan::Mask { Nan::Mask } else { Nan::Outside };
-        let source = Source::from(&view);
-        let (planes, _) = Planes::classify(&source, lattice, &[surface.iso], nan, job)?;
-        let [planes] = &planes[..] else { return Ok(()) };
-        if planes.is_empty() {
+        let (view, lattice, job) = (window.view(), planes.lattice, self.job);
+        if planes.is_empty() || !lattice.has_cells() {
             return Ok(());
         }
         let part = Part { slices: window.own(lattice), before: surface.counts };
@@ -196,7 +200,7 @@ impl Making<'_> {
         let limit = self.slabs.budget.piece_bytes;
         let bytes = |end: usize| {
             let counts = between(layout, &(slices.start..end));
-            output_bytes(counts, self.precision.0, normals).unwrap_or(u64::MAX)
+            counts.bytes(self.precision.0, normals).unwrap_or(u64::MAX)
         };
         // More slices never make less.
         let fits = (slices.start + 1..=slices.end).rev().find(|&end| bytes(end) <= limit);

@@ -6,7 +6,7 @@
 //! Everything is f64 until the position is whole; then it is rounded once.
 
 use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
-use isokit_volume::{Sample, View};
+use isokit_volume::{Sample, View, differences};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
 const TAME: std::ops::Range<f64> = 1e-120..1e120;
@@ -133,11 +133,9 @@ impl<'a, T: Sample> Placement<'a, T> {
             [false, true] => 1.0,
             _ => (0.5 + cut.delta) as f32,
         };
-        let ends = [low, high].map(|end| self.differences(end));
+        // Half of the kernel's at most; a power of two is no matter.
+        let ends = [low, high].map(|end| differences(&self.view, end));
         let most = ends.as_flattened().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
-        if !ends.as_flattened().iter().all(|part| part.is_finite()) {
-            return None;
-        }
         let scale = to_unit(most);
         let [low, high] = ends.map(|end| end.map(|part| (part * scale) as f32));
         let mix = |axis: usize| low[axis] * (1.0 - share) + high[axis] * share;
@@ -152,21 +150,6 @@ impl<'a, T: Sample> Placement<'a, T> {
         let [x, y, z] = world.map(|part| (f64::from(part) * scale) as f32);
         let outward = -1.0 / (x * x + y * y + z * z).sqrt();
         Some([x * outward, y * outward, z * outward])
-    }
-
-    /// The differences of a sample's neighbours along x, y, z: those two steps apart, and at a border twice
-    /// those one step apart.
-    fn differences(&self, ijk: [usize; 3]) -> [f64; 3] {
-        std::array::from_fn(|axis| {
-            let last = self.view.dims()[axis] - 1;
-            let [below, above] = [ijk[axis].saturating_sub(1), last.min(ijk[axis] + 1)];
-            let at = |to: usize| {
-                let mut moved = ijk;
-                moved[axis] = to;
-                self.view.stored(moved).to_f64()
-            };
-            (at(above) - at(below)) * if above - below == 2 { 1.0 } else { 2.0 }
-        })
     }
 
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
@@ -359,6 +342,29 @@ mod tests {
             }
         }
         assert!(compared > 300, "{compared} normals");
+    }
+
+    #[test]
+    fn next_to_a_sample_without_a_value_the_other_differences_tell_the_normal() {
+        let grid = Grid::new([7, 7, 7], Frame::default()).unwrap();
+        for hole in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let value = |n: usize| match [n % 7, n / 7 % 7, n / 49] {
+                [3, 3, 3] => hole,
+                [x, y, z] => 2.0 * x as f32 - y as f32 + 2.0 * z as f32,
+            };
+            let volume = Volume::new(grid, (0..343).map(value).collect::<Vec<f32>>()).unwrap();
+            // Beside the hole, and to it: no vertex there looks along the edge.
+            for (axis, low) in [(1, [2, 3, 3]), (0, [3, 4, 3]), (2, [3, 3, 2]), (0, [3, 3, 3])] {
+                let placement = Placement::new(volume.view(), 8.5, 0.0, 0.0);
+                let normal = placement.normal(&placement.cut(axis, low));
+                for (found, part) in normal.into_iter().zip([-2.0, 1.0, -2.0]) {
+                    assert!(
+                        (found - part / 3.0).abs() < 1e-6,
+                        "{hole}, {axis}, {low:?}: {normal:?}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

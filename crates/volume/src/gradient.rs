@@ -2,7 +2,16 @@
 
 use crate::{Sample, View};
 
-/// The gradient of the value in index space, per sample: central differences, one-sided at the border.
+/// The gradient of the value in index space, per sample: [`differences`] of what samples mean.
+///
+/// # Panics
+///
+/// If there is no such lattice point.
+pub fn gradient<T: Sample>(view: &View<'_, T>, ijk: [usize; 3]) -> [f64; 3] {
+    differences(view, ijk).map(|difference| difference * view.scaling().slope())
+}
+
+/// How fast stored samples change along x, y, z, per sample: central differences, one-sided at the border.
 ///
 /// Along an axis on which a difference is not finite, because a neighbour is NaN or infinite, the other
 /// side alone is asked; where that is of no use either, and along an axis of one sample, it is 0.
@@ -10,7 +19,7 @@ use crate::{Sample, View};
 /// # Panics
 ///
 /// If there is no such lattice point.
-pub fn gradient<T: Sample>(view: &View<'_, T>, ijk: [usize; 3]) -> [f64; 3] {
+pub fn differences<T: Sample>(view: &View<'_, T>, ijk: [usize; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| {
         let at = |offset: isize| {
             let mut there = ijk;
@@ -26,7 +35,7 @@ pub fn gradient<T: Sample>(view: &View<'_, T>, ijk: [usize; 3]) -> [f64; 3] {
             (None, Some(above)) => difference(above, view.stored(ijk).to_f64(), 1.0),
             (None, None) => None,
         };
-        stored.unwrap_or(0.0) * view.scaling().slope()
+        stored.unwrap_or(0.0)
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::{
     Grid, Histogram, Sample, Scaling, SlabSource, Statistics, View, histogram::finite_range,
 };
-use isokit_job::{Cancelled, Job, Progress};
+use isokit_job::{Cancelled, Job};
 
 /// A source whose samples are looked at on their way to whoever asked for them.
 #[derive(Debug)]
@@ -21,8 +21,7 @@ impl<S> Observed<S> {
     /// The same slices. The job says when to stop and on which threads to look; its progress is left to
     /// whoever asks for the slices.
     pub fn new(source: S, job: &Job) -> Self {
-        let job = Job { progress: Progress::default(), ..job.clone() };
-        Self { source, statistics: Statistics::EMPTY, slices: 0, job }
+        Self { source, statistics: Statistics::EMPTY, slices: 0, job: job.unwatched() }
     }
 
     /// What holds of the slices so far.

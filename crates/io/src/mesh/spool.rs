@@ -353,15 +353,9 @@ impl Coming {
 
     /// Fails if a piece may not take so much memory.
     fn probe(&self, counts: Counts, job: &Job) -> Result<(), OverLimit> {
-        let position = match self.outline.precision {
-            Precision::F32 => size_of::<[f32; 3]>(),
-            Precision::F64 => size_of::<[f64; 3]>(),
-        };
-        let normal = if self.outline.has_normals { size_of::<[f32; 3]>() } else { 0 };
-        let what = "a piece of a surface";
-        job.limits.probe(what, Some(counts.vertices), position + normal)?;
-        job.limits.probe(what, Some(counts.triangles), size_of::<[u32; 3]>())?;
-        Ok(())
+        let Outline { precision, has_normals, .. } = self.outline;
+        let bytes = counts.bytes(precision, has_normals);
+        job.limits.probe("a piece of a surface", bytes, 1).map(drop)
     }
 }
 

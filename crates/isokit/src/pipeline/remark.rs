@@ -1,6 +1,7 @@
 //! What is peculiar about a surface: why it is empty, or only a box.
 
-use crate::pipeline::SurfaceOptions;
+use crate::pipeline::{PipelineError, SurfaceOptions, iso::Facts};
+use isokit_job::Job;
 use isokit_marching_cubes::Boundary;
 use isokit_mesh::Counts;
 use isokit_volume::Statistics;
@@ -35,8 +36,23 @@ pub enum Remark {
 }
 
 impl Remark {
+    /// What is peculiar about a surface of a part of `dims` samples, if anything. Asks for facts only where
+    /// the counts raise the question.
+    pub(super) fn among(
+        facts: &impl Facts,
+        dims: [usize; 3],
+        (iso, counts): (f64, Counts),
+        options: &SurfaceOptions,
+        job: &Job,
+    ) -> Result<Option<Self>, PipelineError> {
+        if !Self::is_worth_a_look(counts, dims, options.extract.boundary) {
+            return Ok(None);
+        }
+        Ok(Self::of(iso, counts, dims, options, &facts.statistics(job)?))
+    }
+
     /// Whether a surface is so peculiar by its counts alone that it is worth looking at every sample.
-    pub(super) fn is_worth_a_look(counts: Counts, dims: [usize; 3], boundary: Boundary) -> bool {
+    fn is_worth_a_look(counts: Counts, dims: [usize; 3], boundary: Boundary) -> bool {
         let [nx, ny, nz] = dims.map(|n| n as u64);
         // One vertex outside each border sample, on each side of the box that it lies on.
         let of_box = 2 * (nx * ny + ny * nz + nz * nx);
@@ -44,7 +60,7 @@ impl Remark {
     }
 
     /// What to say of a surface, if anything.
-    pub(super) fn of(
+    fn of(
         iso: f64,
         counts: Counts,
         dims: [usize; 3],

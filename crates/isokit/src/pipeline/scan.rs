@@ -9,8 +9,14 @@ use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job};
 use isokit_marching_cubes::{ExtractError, Skipped, Source, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
-use isokit_volume::{AnyBricks, AnyVolume, Histogram, Sample, Statistics, View, Volume, for_any};
+use isokit_volume::{
+    AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any,
+};
 use std::{ops::Range, path::Path, slice, sync::OnceLock};
+
+/// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of
+/// `scripts/bench`.
+const MOST_ACTIVE: f64 = 0.125;
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
 #[derive(Clone, Debug)]
@@ -89,7 +95,13 @@ impl Scan {
     pub fn cropped(self, region: &Region) -> Result<Self, RegionError> {
         let part = region.samples(self.volume.grid())?;
         let part = part.map(|range| range.start as usize..range.end as usize);
-        Ok(Self { part, statistics: OnceLock::new(), histogram: OnceLock::new(), ..self })
+        Ok(Self {
+            part,
+            statistics: OnceLock::new(),
+            histogram: OnceLock::new(),
+            bricks: None,
+            ..self
+        })
     }
 
     /// The whole volume, of which a part may be looked at.
@@ -214,7 +226,8 @@ impl Scan {
     }
 
     /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
-    /// of a used mesh. What comes back is what an index told not to do.
+    /// of a used mesh. What comes back is what an index told not to do; an index by which the surfaces go
+    /// through more than an eighth of the volume is left aside, for then to ask it takes longer.
     ///
     /// # Errors
     ///
@@ -238,14 +251,17 @@ impl Scan {
         }
         let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let extracted = for_any!(&self.volume, volume => {
-            extract_many(self.source(volume), isos, &options.extract, &mut sinks, job)
+            extract_many(self.source(volume, isos), isos, &options.extract, &mut sinks, job)
         });
         let extracted = extracted.map_err(|error| in_whole(error, &self.part))?;
         drop(sinks);
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
         }
-        Ok(extracted.first().map_or(Skipped::default(), |one| one.skipped))
+        let skipped = extracted.first().map_or(Skipped::default(), |one| one.skipped);
+        // Of an index that was left aside no brick is skipped.
+        let bricks = self.bricks.as_ref().map_or(0, AnyBricks::count);
+        Ok(Skipped { bricks, ..skipped })
     }
 
     /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the
@@ -260,21 +276,21 @@ impl Scan {
         counts: Counts,
         options: &SurfaceOptions,
         job: &Job,
-    ) -> Result<Option<Remark>, Cancelled> {
+    ) -> Result<Option<Remark>, PipelineError> {
         let dims = self.part.each_ref().map(|range| range.len());
-        if !Remark::is_worth_a_look(counts, dims, options.extract.boundary) {
-            return Ok(None);
-        }
-        Ok(Remark::of(iso, counts, dims, options, &self.statistics(job)?))
+        Remark::among(self, dims, (iso, counts), options, job)
     }
 
     fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
         volume.view().part(self.part.clone()).expect("the part was checked against the volume")
     }
 
-    /// The view, with bricks if they are of all of it.
-    fn source<'a, T: Sample>(&'a self, volume: &'a Volume<T>) -> Source<'a, T> {
+    /// The view, with bricks if they are of all of it and worth it.
+    fn source<'a, T: Sample>(&'a self, volume: &'a Volume<T>, isos: &[f64]) -> Source<'a, T> {
         let (view, bricks) = (self.view(volume), self.bricks.as_ref().and_then(AnyBricks::of));
+        let each: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
+        let is_worth_it = |bricks: &&Bricks<T>| bricks.active_share(&each) <= MOST_ACTIVE;
+        let bricks = bricks.filter(is_worth_it);
         let known = bricks.and_then(|bricks| Source::with_bricks(&view, bricks));
         known.unwrap_or(Source::from(&view))
     }

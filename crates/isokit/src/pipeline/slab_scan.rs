@@ -159,7 +159,7 @@ impl SlabScan {
     pub fn budget(
         &self,
         bytes: u64,
-        pieces: u64,
+        (surfaces, pieces): (u64, u64),
         options: &SurfaceOptions,
     ) -> Result<Budget, OverLimit> {
         // Of a file whose rows are cut off, one slice is read whole.
@@ -169,7 +169,7 @@ impl SlabScan {
         };
         let of = (&self.part_grid(), self.dtype());
         let left = bytes.saturating_sub(slice);
-        Budget::within(left, of, pieces, &options.extract).map_err(|over| OverLimit {
+        Budget::within(left, of, (surfaces, pieces), &options.extract).map_err(|over| OverLimit {
             needed: over.needed.saturating_add(slice),
             limit: bytes,
             ..over
@@ -236,10 +236,7 @@ impl SlabScan {
         job: &Job,
     ) -> Result<Option<Remark>, PipelineError> {
         let dims = self.part.each_ref().map(|range| range.len());
-        if !Remark::is_worth_a_look(counts, dims, options.extract.boundary) {
-            return Ok(None);
-        }
-        Ok(Remark::of(iso, counts, dims, options, &self.statistics(job)?))
+        Remark::among(self, dims, (iso, counts), options, job)
     }
 
     /// Whether sinks are asked for normals.

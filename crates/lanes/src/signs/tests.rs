@@ -1,6 +1,6 @@
 //! Every loop against the definition, sample by sample.
 
-use super::{Lane, Threshold, Thresholds, many_at, nan::has_nan_at, nans, signs, signs_at, words};
+use super::{Lane, Threshold, Thresholds, many_at, nan::has_nan_at, nans, signs_of_many, words};
 use crate::Level;
 use std::fmt::Debug;
 
@@ -25,12 +25,12 @@ fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
         let row = &row[length * 7 % 64..][..length];
         let mut found = vec![u64::MAX; words(length)];
         for &bound in bounds {
-            for threshold in [Threshold::AtLeast(bound), Threshold::AtMost(bound), Threshold::Never]
-            {
+            for threshold in [Threshold::AtLeast(bound), Threshold::AtMost(bound)] {
                 let expected = by_definition(row, |sample| threshold.is_inside(sample));
+                let alone = Thresholds::new(&[threshold]).unwrap();
                 for &level in Level::available() {
                     found.fill(u64::MAX);
-                    signs_at(level, row, threshold, &mut found);
+                    many_at(level, row, &alone, &mut found);
                     assert_eq!(found, expected, "{level}, {length} samples, {threshold:?}");
                 }
             }
@@ -107,9 +107,12 @@ fn one_nan_is_found_wherever_it_is() {
 
 #[test]
 fn a_tie_is_inside_and_nan_is_not() {
-    let mut word = [0];
-    signs(&[1.0, f64::NAN, -0.0, 0.0], Threshold::AtLeast(0.0), &mut word);
-    assert_eq!(word, [0b1101]);
-    signs(&[1.0, f64::NAN, -0.0, 0.0], Threshold::AtMost(0.0), &mut word);
-    assert_eq!(word, [0b1100]);
+    let word = |threshold| {
+        let mut word = [0];
+        let threshold = Thresholds::new(&[threshold]).unwrap();
+        signs_of_many(&[1.0, f64::NAN, -0.0, 0.0], &threshold, &mut word);
+        word[0]
+    };
+    assert_eq!(word(Threshold::AtLeast(0.0)), 0b1101);
+    assert_eq!(word(Threshold::AtMost(0.0)), 0b1100);
 }

@@ -57,6 +57,8 @@ pub trait Wide: Copy {
 
     fn f32_to_f64(self, numbers: Self::F32) -> Self::F64;
 
+    fn sqrt(self, numbers: Self::F32) -> Self::F32;
+
     /// Rounded to the nearest.
     fn f64_to_f32(self, numbers: Self::F64) -> Self::F32;
 
@@ -85,8 +87,6 @@ pub trait Wide: Copy {
 pub trait Float:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    fn sqrt(self) -> Self;
-
     /// The greater; `other` where the two are equal or one is NaN.
     fn max(self, other: Self) -> Self;
 

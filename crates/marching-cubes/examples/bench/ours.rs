@@ -6,7 +6,7 @@ use crate::{
     protocol::{Answer, Boundary, Extract, Load, Nan, Request, timed},
 };
 use isokit_job::{Job, Threads};
-use isokit_lanes::{Level, signs, words};
+use isokit_lanes::{Level, Thresholds, signs_of_many, words};
 use isokit_marching_cubes::{
     self as mc, ExtractOptions, Skipped, Source, count_many, extract_many,
 };
@@ -103,13 +103,14 @@ impl<T: Sample> Isokit<T> {
         let job = self.job(threads)?;
         let [nx, ny, _] = self.volume.view().dims();
         let threshold = self.volume.scaling().threshold::<T>(iso);
+        let threshold = Thresholds::new(&[threshold]).ok_or("no sample can be inside")?;
         let per_row = words(nx);
         self.bits.resize(self.volume.samples().len() / nx * per_row, 0);
         let (samples, bits) = (self.volume.samples(), &mut self.bits);
         let slices = bits.par_chunks_mut(per_row * ny).zip(samples.par_chunks(nx * ny));
         let classify = |(bits, slice): (&mut [u64], &[T])| {
             let rows = slice.chunks_exact(nx).zip(bits.chunks_exact_mut(per_row));
-            rows.for_each(|(row, bits)| signs(row, threshold, bits));
+            rows.for_each(|(row, bits)| signs_of_many(row, &threshold, bits));
         };
         let (answer, ()) = timed(|| job.threads.run(|| slices.for_each(classify)));
         Ok(self.with_input(answer))

@@ -1,19 +1,12 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
 use super::{Lattice, Plane, Planes, chosen::chosen};
-use crate::{ExtractError, Nan, Skipped, Source, sparse::Choice};
+use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{Threshold, Thresholds, has_nan, nans, signs_of_many, words};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// NaN samples met in a task.
-#[derive(Clone, Copy, Default)]
-struct Found {
-    count: u64,
-    first: Option<[usize; 3]>,
-}
 
 impl Planes {
     /// Compares samples with every isovalue: all samples, or those of which bricks do not tell.
@@ -90,10 +83,7 @@ fn missing<T: Sample, E: Send>(
 ) -> Result<Option<Arc<Plane>>, ExtractError<E>> {
     let test = |row: &[T], [j, k]: [usize; 2], out: &mut [u64]| {
         nans(row, out);
-        let count = out.iter().map(|word| u64::from(word.count_ones())).sum();
-        let word = out.iter().position(|&word| word != 0);
-        let first = word.map(|w| [64 * w + out[w].trailing_zeros() as usize, j, k]);
-        Found { count, first }
+        Found::in_row(out, [j, k])
     };
     let (mut found, Found { count, first }) = planes(view, lattice, 1, test, job)?;
     match (first, nan) {
@@ -136,16 +126,16 @@ fn planes<T: Sample, E>(
                 }
                 more
             };
-            found = Found { count: found.count + more.count, first: found.first.or(more.first) };
+            found.add(more);
         }
         job.progress.advance(1);
         Ok(found)
     };
     let found = slices(&mut bits, lattice).into_par_iter().enumerate().map(fill);
     let found: Vec<Found> = found.collect::<Result<_, Cancelled>>()?;
-    let nan = found.iter().map(|found| found.count).sum();
-    let first = found.iter().find_map(|found| found.first);
-    Ok((of_bits(lattice, bits), Found { count: nan, first }))
+    let mut nan = Found::default();
+    found.into_iter().for_each(|found| nan.add(found));
+    Ok((of_bits(lattice, bits), nan))
 }
 
 /// Fresh memory for the bits of so many planes.

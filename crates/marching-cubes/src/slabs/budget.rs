@@ -26,8 +26,8 @@ const LEAST_PIECE: u64 = 1 << 20;
 
 impl Budget {
     /// A budget of so many bytes for all that [`extract_slabs`](crate::extract_slabs) and the sinks take
-    /// together, where the sinks take `pieces` times the bytes of a piece. Half of it is for the window,
-    /// or less where that is enough.
+    /// together for so many surfaces, where each of their sinks takes `pieces` times the bytes of a piece.
+    /// Half of it is for the window, or less where that is enough.
     ///
     /// # Errors
     ///
@@ -35,13 +35,13 @@ impl Budget {
     pub fn within(
         bytes: u64,
         (grid, dtype): (&Grid, Dtype),
-        pieces: u64,
+        (surfaces, pieces): (u64, u64),
         options: &ExtractOptions,
     ) -> Result<Self, OverLimit> {
-        let pieces = pieces.max(1);
-        let per_slice = bytes_per_slice(grid, dtype, options);
+        let (surfaces, pieces) = (surfaces.max(1), surfaces.saturating_mul(pieces).max(1));
+        let per_slice = bytes_per_slice(grid, dtype, surfaces, options);
         let least = per_slice.map(|bytes| bytes.saturating_mul(LEAST_WINDOW as u64));
-        let needed = least.and_then(|least| least.checked_add(pieces * LEAST_PIECE));
+        let needed = least.and_then(|least| least.checked_add(pieces.saturating_mul(LEAST_PIECE)));
         let (Some(per_slice), Some(0..)) = (per_slice, needed.and_then(|n| bytes.checked_sub(n)))
         else {
             let needed = needed.unwrap_or(u64::MAX);
@@ -55,17 +55,23 @@ impl Budget {
     }
 }
 
-/// What a slice of the window takes: its samples, and while the surface is made one bit for each (three
-/// where cells next to NaN are left out) and what its rows make.
-fn bytes_per_slice(grid: &Grid, dtype: Dtype, options: &ExtractOptions) -> Option<u64> {
+/// What a slice of the window takes: its samples, and while surfaces are made a bit of each for every one of
+/// them (and two more where cells next to NaN are left out) and what its rows make.
+fn bytes_per_slice(
+    grid: &Grid,
+    dtype: Dtype,
+    surfaces: u64,
+    options: &ExtractOptions,
+) -> Option<u64> {
     let guards = if options.boundary == Boundary::Closed { 2 } else { 0 };
     let [nx, ny, _] = grid.dims();
     let samples = nx.checked_mul(ny)?.checked_mul(dtype.bytes() as u64)?;
     let may_miss = options.nan == Nan::Mask && !dtype.is_integer();
-    let planes = if may_miss { 3 } else { 1 };
+    let planes = surfaces.checked_add(if may_miss { 2 } else { 0 })?;
     let words = words(usize::try_from(nx.checked_add(guards)?).ok()?) as u64;
     let rows = ny.checked_add(guards)?;
-    samples.checked_add(rows.checked_mul(8 * planes * words + 16)?)
+    samples
+        .checked_add(rows.checked_mul(words.checked_mul(8)?.checked_mul(planes)?.checked_add(16)?)?)
 }
 
 #[cfg(test)]
@@ -77,7 +83,9 @@ mod tests {
     #[test]
     fn what_a_refusal_says_is_needed_suffices_and_no_less() {
         let options = &ExtractOptions::DEFAULT;
-        for (dims, pieces) in [([1024, 1024, 2048], 1), ([3, 5, 7], 2), ([1 << 20, 900, 9], 3)] {
+        for (dims, pieces) in
+            [([1024, 1024, 2048], (1, 1)), ([3, 5, 7], (2, 3)), ([1 << 20, 900, 9], (3, 1))]
+        {
             let grid = Grid::new(dims, Default::default()).unwrap();
             let within = |bytes| Budget::within(bytes, (&grid, Dtype::I16), pieces, options);
             let needed = within(0).unwrap_err().needed;
@@ -90,9 +98,9 @@ mod tests {
     fn window_and_pieces_stay_within_the_budget() {
         let options = &ExtractOptions::DEFAULT;
         let grid = Grid::new([700, 500, 300], Default::default()).unwrap();
-        let per_slice = bytes_per_slice(&grid, Dtype::F32, options).unwrap();
+        let per_slice = bytes_per_slice(&grid, Dtype::F32, 2, options).unwrap();
         for bytes in (10..1000).map(|n| n << 20) {
-            let budget = Budget::within(bytes, (&grid, Dtype::F32), 2, options).unwrap();
+            let budget = Budget::within(bytes, (&grid, Dtype::F32), (2, 1), options).unwrap();
             let window = budget.window as u64 * per_slice;
             assert!(budget.window >= LEAST_WINDOW && window + 2 * budget.piece_bytes <= bytes);
         }
@@ -101,7 +109,7 @@ mod tests {
     #[test]
     fn a_slice_that_no_memory_holds_is_refused() {
         let grid = Grid::new([1 << 40, 1 << 23, 1], Default::default()).unwrap();
-        let found = Budget::within(1 << 40, (&grid, Dtype::F64), 1, &ExtractOptions::DEFAULT);
+        let found = Budget::within(1 << 40, (&grid, Dtype::F64), (1, 1), &ExtractOptions::DEFAULT);
         assert_eq!(found.unwrap_err().needed, u64::MAX);
     }
 }

@@ -9,6 +9,7 @@ use isokit_job::{Job, Stopped};
 use isokit_mesh::{Gauged, Positions, TriMesh, topology};
 use isokit_volume::{Formula, Grid, Sample, Scaling, SlabSource, Slices, Volume, collect};
 use proptest::prelude::*;
+use std::convert::Infallible;
 
 /// The most that a slice of the lattice makes.
 fn greatest_slice(grid: &Grid) -> u64 {
@@ -168,7 +169,8 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     let mut mesh = TriMesh::default();
     while !window.is_last() {
         window.advance(source, &job).unwrap();
-        making.part(&window, &mut surface, &mut mesh.refill()).unwrap();
+        let planes = making.planes::<u8, Infallible>(&window.view()).unwrap();
+        making.part(&window, &planes[0], &mut surface, &mut mesh.refill()).unwrap();
     }
     let whole = extract(&volume.view(), 2.0, options, &job).unwrap().counts();
     assert!(surface.is_too_large);

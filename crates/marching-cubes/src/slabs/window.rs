@@ -1,7 +1,7 @@
 //! The slices of a volume that are in memory.
 
 use super::{LEAST_WINDOW, Slabs};
-use crate::planes::Lattice;
+use crate::{found::Found, planes::Lattice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{nans, words};
 use isokit_volume::{Grid, Sample, Scaling, SlabSource, View};
@@ -21,13 +21,6 @@ pub(super) struct Window<T> {
     new: Range<u64>,
     /// NaN samples met so far, where somebody looked.
     pub(super) nan: Found,
-}
-
-/// NaN samples: how many, and the first.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Found {
-    pub(super) count: u64,
-    pub(super) first: Option<[usize; 3]>,
 }
 
 /// Samples fetched between two looks at the cancel token.
@@ -117,26 +110,19 @@ impl<T: Sample> Window<T> {
             return Ok(());
         }
         let view = self.part(self.new.clone());
-        let [nx, ny, nz] = view.dims();
+        let ([nx, ny, nz], before) = (view.dims(), self.new.start as usize);
         let of_slice = |k: usize| {
             job.check()?;
             let (mut found, mut scratch, mut bits) = (Found::default(), vec![], vec![0; words(nx)]);
             for j in 0..ny {
                 nans(view.row(j, k).gather(&mut scratch), &mut bits);
-                found.count += bits.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
-                let word = bits.iter().position(|&word| word != 0);
-                let first = word.map(|w| [64 * w + bits[w].trailing_zeros() as usize, j, k]);
-                found.first = found.first.or(first);
+                found.add(Found::in_row(&bits, [j, before + k]));
             }
             Ok(found)
         };
         let found: Result<Vec<Found>, Cancelled> =
             job.threads.run(|| (0..nz).into_par_iter().map(of_slice).collect());
-        let before = self.new.start as usize;
-        for Found { count, first } in found? {
-            self.nan.count += count;
-            self.nan.first = self.nan.first.or(first.map(|[i, j, k]| [i, j, before + k]));
-        }
+        found?.into_iter().for_each(|found| self.nan.add(found));
         Ok(())
     }
 }

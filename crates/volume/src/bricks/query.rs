@@ -2,7 +2,7 @@
 
 use super::{BrickGrid, Bricks};
 use crate::Sample;
-use isokit_lanes::{Side, Threshold};
+use isokit_lanes::{Extent, Side, Threshold};
 
 /// On which side of a threshold each brick is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,6 +19,14 @@ impl<T: Sample> Bricks<T> {
     pub fn sides(&self, threshold: Threshold<T>) -> Sides {
         let of_brick = self.extents.iter().map(|extent| extent.side(threshold)).collect();
         Sides { grid: self.grid, of_brick }
+    }
+
+    /// The share of bricks that a surface of one of the thresholds goes through, from 0 to 1.
+    pub fn active_share(&self, thresholds: &[Threshold<T>]) -> f64 {
+        let is_active = |extent: &&Extent<T>| {
+            thresholds.iter().any(|&threshold| extent.side(threshold) == Side::Both)
+        };
+        self.extents.iter().filter(is_active).count() as f64 / self.extents.len() as f64
     }
 
     /// Whether a sample is NaN.
@@ -46,6 +54,19 @@ mod tests {
         let volume = Volume::new(grid, (0..150).collect()).unwrap().with_scaling(scaling);
         let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
         (volume, bricks)
+    }
+
+    #[test]
+    fn the_share_counts_a_brick_once_for_several_values() {
+        let (_, bricks) = ramp(Scaling::IDENTITY);
+        let share = |isos: &[f64]| {
+            let each = isos.iter().map(|&iso| Scaling::IDENTITY.threshold(iso));
+            bricks.active_share(&each.collect::<Vec<_>>())
+        };
+        assert_eq!(share(&[]), 0.0);
+        assert_eq!(share(&[-1e9, 1e9]), 0.0);
+        assert_eq!(share(&[10.0, 11.0, 12.5]), 1.0 / 3.0);
+        assert_eq!(share(&[10.0, 70.0, 140.0]), 1.0);
     }
 
     #[test]

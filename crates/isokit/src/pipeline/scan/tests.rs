@@ -9,6 +9,7 @@ use isokit_job::Job;
 use isokit_marching_cubes::{Boundary, ExtractError, ExtractOptions, Nan};
 use isokit_mesh::TriMesh;
 use isokit_volume::{Grid, Volume};
+use std::slice;
 
 /// 6 × 5 × 4 samples, in RAS, with distances of 1, 2 and 3.
 fn scan(value: impl Fn([usize; 3]) -> f32) -> Scan {
@@ -78,6 +79,30 @@ fn an_index_changes_no_surface_of_the_whole_or_of_a_part() {
     assert_eq!((skipped.bricks, skipped.bricks_skipped, skipped.samples_read), (1, 1, 0));
     let [part, indexed] = [whole, indexed].map(|scan| scan.cropped(&region).unwrap());
     assert_eq!(mesh(&indexed, &open()), mesh(&part, &open()));
+}
+
+#[test]
+fn an_index_is_left_aside_where_a_surface_is_nearly_everywhere() {
+    /// Two bricks along x, of 64 samples, and 13 along y and z.
+    const N: usize = 100;
+    let job = Job::default();
+    let samples = |n: usize| {
+        let ijk = [n % N, n / N % N, n / (N * N)];
+        ijk.iter().map(|&i| (i as f32 - 32.0).powi(2)).sum::<f32>().sqrt()
+    };
+    let grid = Grid::new([N as u64; 3], Frame::default()).unwrap();
+    let plain = Scan::new(Volume::new(grid, (0..N.pow(3)).map(samples).collect()).unwrap());
+    let mut indexed = plain.clone();
+    indexed.index(&job).unwrap();
+    for (radius, is_used) in [(12.0, true), (60.0, false)] {
+        let mut found = TriMesh::default();
+        let meshes = slice::from_mut(&mut found);
+        let skipped = indexed.meshes_into(&[radius], &open(), meshes, &job).unwrap();
+        assert_eq!(skipped.bricks, 2 * 13 * 13);
+        assert_eq!(skipped.bricks_skipped > 0, is_used);
+        assert_eq!(skipped.samples_read < N.pow(3) as u64, is_used);
+        assert_eq!(found, plain.mesh(radius, &open(), &job).unwrap());
+    }
 }
 
 #[test]

@@ -87,14 +87,8 @@ impl Mul for U32 {
 /// `max` and `min` give their second operand where the two are equal or one is NaN.
 impl Float for F32 {
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: a register exists only where the instructions do.
-        Self(unsafe { _mm512_sqrt_ps(self.0) })
-    }
-
-    #[inline(always)]
     fn max(self, other: Self) -> Self {
-        // SAFETY: as above.
+        // SAFETY: a register exists only where the instructions do.
         Self(unsafe { _mm512_max_ps(self.0, other.0) })
     }
 
@@ -113,14 +107,8 @@ impl Float for F32 {
 
 impl Float for F64 {
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: a register exists only where the instructions do.
-        unsafe { Self(_mm512_sqrt_pd(self.0), _mm512_sqrt_pd(self.1)) }
-    }
-
-    #[inline(always)]
     fn max(self, other: Self) -> Self {
-        // SAFETY: as above.
+        // SAFETY: a register exists only where the instructions do.
         unsafe { Self(_mm512_max_pd(self.0, other.0), _mm512_max_pd(self.1, other.1)) }
     }
 
@@ -243,6 +231,12 @@ impl Wide for Avx512 {
             let [low, high] = [_mm256_castsi256_ps(low), _mm256_castsi256_ps(high)];
             F64(_mm512_cvtps_pd(low), _mm512_cvtps_pd(high))
         }
+    }
+
+    #[inline(always)]
+    fn sqrt(self, numbers: F32) -> F32 {
+        // SAFETY: there is a token.
+        F32(unsafe { _mm512_sqrt_ps(numbers.0) })
     }
 
     #[inline(always)]

@@ -64,11 +64,6 @@ macro_rules! float {
     ($($t:ty),*) => {$(
         impl Float for Array<$t> {
             #[inline(always)]
-            fn sqrt(self) -> Self {
-                Self(each!(n => self.0[n].sqrt()))
-            }
-
-            #[inline(always)]
             fn max(self, other: Self) -> Self {
                 Self(each!(n => if self.0[n] > other.0[n] { self.0[n] } else { other.0[n] }))
             }
@@ -156,6 +151,11 @@ impl Wide for Plain {
     #[inline(always)]
     fn f32_to_f64(self, numbers: Array<f32>) -> Array<f64> {
         Array(each!(n => f64::from(numbers.0[n])))
+    }
+
+    #[inline(always)]
+    fn sqrt(self, numbers: Array<f32>) -> Array<f32> {
+        Array(each!(n => numbers.0[n].sqrt()))
     }
 
     #[inline(always)]
