@@ -1,6 +1,6 @@
 //! How many vertices and triangles rows make.
 
-use crate::{BitRows, Level, Word};
+use crate::{BitRows, Level, WORD, Word, euler::triangles};
 use std::ops::Range;
 
 /// Vertices on the edges that a row owns, along x, y and z, and triangles of its cells.
@@ -16,28 +16,16 @@ pub struct RowCounts {
     pub triangles: u32,
 }
 
-/// Counts what some rows make, each into its place in `out`; `triangles` has the number of triangles of
-/// each case.
+/// Counts what some rows make, each into its place in `out`.
 ///
 /// # Panics
 ///
 /// If there are no such rows, or `out` has not room for exactly those.
-pub fn count_rows(
-    bits: &BitRows<'_>,
-    rows: Range<usize>,
-    triangles: &[u8; 256],
-    out: &mut [RowCounts],
-) {
-    count_rows_at(Level::current(), bits, rows, triangles, out);
+pub fn count_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_rows_at(Level::current(), bits, rows, out);
 }
 
-fn count_rows_at(
-    level: Level,
-    bits: &BitRows<'_>,
-    rows: Range<usize>,
-    triangles: &[u8; 256],
-    out: &mut [RowCounts],
-) {
+fn count_rows_at(level: Level, bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
     assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
     assert_eq!(rows.len(), out.len(), "a count for each row");
     out.fill(RowCounts::default());
@@ -46,16 +34,89 @@ fn count_rows_at(
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::count_rows_avx512(bits, rows, triangles, out) }
+            unsafe { count_rows_avx512(bits, rows, out) }
         }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { wide::count_rows_avx2(bits, rows, triangles, out) }
+            unsafe { count_rows_avx2(bits, rows, out) }
         }
-        _ => count_rows_plain(bits, rows, triangles, out),
+        _ => count_rows_plain(bits, rows, out),
     }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn count_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_rows_plain(bits, rows, out);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq"
+)]
+fn count_rows_avx512(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_rows_plain(bits, rows, out);
+}
+
+/// Words that are counted before they are added to their rows.
+const BLOCK: usize = 512;
+
+/// The one loop for all levels, which the compiler makes as wide as it may.
+#[inline(always)]
+fn count_rows_plain(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    let words = bits.words();
+    if words > BLOCK {
+        let first = rows.start;
+        return bits.each_word(rows, |word| out[word.row - first].add(word));
+    }
+    let (mut cells, mut packed) = ([u64::MAX; BLOCK], [0; BLOCK]);
+    let last = bits.cells(words - 1);
+    cells.iter_mut().skip(words - 1).step_by(words).for_each(|cells| *cells = last);
+    let (mut rows, mut out) = (rows, out);
+    while !rows.is_empty() {
+        // The last row of all has no cells, and goes alone.
+        let inner = rows.end.min(bits.rows() - 1).saturating_sub(rows.start);
+        let block = inner.clamp(1, BLOCK / words);
+        let packed = &mut packed[..block * words];
+        count_block(bits.flat(rows.start..rows.start + block), &cells, packed);
+        let mask = if bits.has_cells(rows.start) { u64::MAX } else { u64::MAX >> 16 };
+        let (of_block, rest) = out.split_at_mut(block);
+        for (row, packed) in of_block.iter_mut().zip(packed.chunks_exact(words)) {
+            // So many words fill no 16 bits.
+            for packed in packed.chunks(128) {
+                row.unpack(packed.iter().map(|word| word & mask).sum());
+            }
+        }
+        (rows.start, out) = (rows.start + block, rest);
+    }
+}
+
+/// Counts the words of rows that lie one behind another: for each a number of four times 16 bits.
+#[inline(always)]
+fn count_block(rows: [&[u64]; 4], cells: &[u64; BLOCK], packed: &mut [u64]) {
+    let last = packed.len() - 1;
+    let [a, b, c, d] = rows.map(|row| &row[..=last]);
+    let [a_next, b_next, c_next, d_next] = rows.map(|row| &row[1..=last]);
+    let cells = &cells[..=last];
+    for i in 0..last {
+        let next = [a_next[i], b_next[i], c_next[i], d_next[i]];
+        packed[i] = count_word([a[i], b[i], c[i], d[i]], next, cells[i]);
+    }
+    // The last word ends a row: what follows is not asked.
+    packed[last] = count_word([a[last], b[last], c[last], d[last]], [0; 4], cells[last]);
+}
+
+#[inline(always)]
+fn count_word(words: [u64; 4], next: [u64; 4], cells: u64) -> u64 {
+    let with_high = |n: usize| [words[n], words[n] >> 1 | next[n] << (WORD - 1)];
+    let corners = [with_high(0), with_high(1), with_high(2), with_high(3)];
+    let x = u64::from(((corners[0][0] ^ corners[0][1]) & cells).count_ones());
+    let y = u64::from((words[0] ^ words[1]).count_ones());
+    let z = u64::from((words[0] ^ words[2]).count_ones());
+    let digits = triangles(corners).map(|bits| u64::from((bits & cells).count_ones()));
+    x | y << 16 | z << 32 | (digits[0] + 2 * digits[1] + 4 * digits[2]) << 48
 }
 
 /// Counts words that were picked out before, each into the place of its row in `out`.
@@ -63,167 +124,37 @@ fn count_rows_at(
 /// # Panics
 ///
 /// If a word's row has no place.
-pub fn count_words(words: &[Word], triangles: &[u8; 256], out: &mut [RowCounts]) {
-    count_words_at(Level::current(), words, triangles, out);
-}
-
-fn count_words_at(level: Level, words: &[Word], triangles: &[u8; 256], out: &mut [RowCounts]) {
-    match level {
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => {
-            level.assert_available();
-            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::count_words_avx512(words, triangles, out) }
-        }
-        _ => words.iter().for_each(|word| out[word.row].add(word, triangles)),
-    }
-}
-
-#[inline(always)]
-fn count_rows_plain(
-    bits: &BitRows<'_>,
-    rows: Range<usize>,
-    triangles: &[u8; 256],
-    out: &mut [RowCounts],
-) {
-    let first = rows.start;
-    bits.each_word(rows, |word| out[word.row - first].add(word, triangles));
+pub fn count_words(words: &[Word], out: &mut [RowCounts]) {
+    words.iter().for_each(|word| out[word.row].add(word));
 }
 
 impl RowCounts {
+    fn unpack(&mut self, packed: u64) {
+        let part = |n: usize| packed >> (16 * n) & 0xFFFF;
+        self.x += part(0) as u32;
+        self.y += part(1) as u32;
+        self.z += part(2) as u32;
+        self.triangles += part(3) as u32;
+    }
+
     #[inline(always)]
-    fn add(&mut self, word: &Word, triangles: &[u8; 256]) {
+    fn add(&mut self, word: &Word) {
         let [x, y, z] = word.owned();
         self.x += x.count_ones();
         self.y += y.count_ones();
         self.z += z.count_ones();
-        let mut active = word.active;
-        while active != 0 {
-            let case = word.case(active.trailing_zeros());
-            self.triangles += u32::from(triangles[usize::from(case)]);
-            active &= active - 1;
-        }
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use super::{BitRows, RowCounts, Word, count_rows_plain};
-    use crate::word::wide::{Eights, words};
-    use std::{arch::x86_64::*, ops::Range};
-
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(super) fn count_rows_avx2(
-        bits: &BitRows<'_>,
-        rows: Range<usize>,
-        triangles: &[u8; 256],
-        out: &mut [RowCounts],
-    ) {
-        count_rows_plain(bits, rows, triangles, out);
-    }
-
-    /// All 64 cases of a word at once, looked up in a table of four registers.
-    #[target_feature(
-        enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq,gfni"
-    )]
-    pub(super) fn count_rows_avx512(
-        bits: &BitRows<'_>,
-        rows: Range<usize>,
-        triangles: &[u8; 256],
-        out: &mut [RowCounts],
-    ) {
-        let table = registers(triangles);
-        let first = rows.start;
-        let mut eights = Eights::new(bits, rows);
-        while let Some(eight) = eights.next() {
-            let [x, y, z] = eight.owned;
-            let x = words(_mm512_popcnt_epi64(x));
-            let y = words(_mm512_popcnt_epi64(y));
-            let z = words(_mm512_popcnt_epi64(z));
-            let active = words(eight.active);
-            let corners = eight.corners();
-            let mut found = eight.found;
-            while found != 0 {
-                let n = found.trailing_zeros() as usize;
-                found &= found - 1;
-                let counts = &mut out[eight.place(n)[0] - first];
-                counts.x += x[n] as u32;
-                counts.y += y[n] as u32;
-                counts.z += z[n] as u32;
-                counts.triangles += triangles_of(corners[n], active[n], table);
-            }
-        }
-    }
-
-    #[target_feature(
-        enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,gfni"
-    )]
-    pub(super) fn count_words_avx512(words: &[Word], triangles: &[u8; 256], out: &mut [RowCounts]) {
-        let table = registers(triangles);
-        for word in words {
-            let [x, y, z] = word.owned();
-            // SAFETY: eight words fill one register; the load needs no alignment.
-            let corners = unsafe { _mm512_loadu_epi64(word.corners.as_ptr().cast()) };
-            let counts = &mut out[word.row];
-            counts.x += x.count_ones();
-            counts.y += y.count_ones();
-            counts.z += z.count_ones();
-            counts.triangles += triangles_of(corners, word.active, table);
-        }
-    }
-
-    #[inline]
-    #[target_feature(enable = "avx512f,avx512bw")]
-    fn registers(triangles: &[u8; 256]) -> [__m512i; 4] {
-        let (table, _) = triangles.as_chunks::<64>();
-        // SAFETY: each of the four chunks is 64 bytes; the load needs no alignment.
-        let part = |n: usize| unsafe { _mm512_loadu_epi8(table[n].as_ptr().cast()) };
-        [part(0), part(1), part(2), part(3)]
-    }
-
-    /// The triangles of the cells of a word that are crossed.
-    #[inline]
-    #[target_feature(enable = "avx512f,avx512bw,avx512vbmi,gfni")]
-    fn triangles_of(corners: __m512i, active: u64, table: [__m512i; 4]) -> u32 {
-        let cases = cases(corners);
-        // The lower half of the table for cases below 128, the upper for the others.
-        let low = _mm512_permutex2var_epi8(table[0], cases, table[1]);
-        let high = _mm512_permutex2var_epi8(table[2], cases, table[3]);
-        let all = _mm512_mask_blend_epi8(_mm512_movepi8_mask(cases), low, high);
-        let sums = _mm512_sad_epu8(_mm512_maskz_mov_epi8(active, all), _mm512_setzero_si512());
-        _mm512_reduce_add_epi64(sums) as u32
-    }
-
-    /// The cases of 64 cells, a byte each, from their corners, a word each.
-    ///
-    /// Bytes with the same eight cells come together, and each eight by eight bits are turned about their
-    /// diagonal: a matrix product with the identity, which has its rows in reverse.
-    #[inline]
-    #[target_feature(enable = "avx512f,avx512bw,avx512vbmi,gfni")]
-    fn cases(corners: __m512i) -> __m512i {
-        const TOGETHER: [u8; 64] = {
-            let mut order = [0; 64];
-            let mut i = 0;
-            while i < 64 {
-                order[i] = (8 * (7 - i % 8) + i / 8) as u8;
-                i += 1;
-            }
-            order
-        };
-        // SAFETY: the order fills one register; the load needs no alignment.
-        let together = unsafe { _mm512_loadu_epi8(TOGETHER.as_ptr().cast()) };
-        let matrices = _mm512_permutexvar_epi8(together, corners);
-        _mm512_gf2p8affine_epi64_epi8::<0>(
-            _mm512_set1_epi64(0x8040_2010_0804_0201_u64 as i64),
-            matrices,
-        )
+        let corner = |k: usize| word.corners[k];
+        let digits = triangles([0, 2, 4, 6].map(|k| [corner(k), corner(k + 1)]));
+        let [ones, twos, fours] = digits.map(|bits| (bits & word.active).count_ones());
+        self.triangles += ones + 2 * twos + 4 * fours;
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{RowCounts, count_rows_at, count_words_at};
-    use crate::{BitRows, Level, Word, words_of_rows};
+    use super::{RowCounts, count_rows_at, count_words};
+    use crate::{BitRows, Level, Word, euler::by_loops, words_of_rows};
+    use std::array;
 
     #[test]
     fn every_level_agrees_with_the_definition() {
@@ -232,10 +163,9 @@ mod tests {
             state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
             state ^ state >> 31
         };
-        let mut table = [0; 256];
-        table.fill_with(|| chance() as u8 % 6);
+        let table = array::from_fn(by_loops);
         let mut words = vec![];
-        for points in (1..=200_usize).chain([511, 512, 513, 600, 1100]) {
+        for points in (1..=200_usize).chain([511, 512, 513, 600, 1100, 9000, 33000]) {
             for is_sparse in [false, true] {
                 let rows = 1 + chance() as usize % 7;
                 let mut slice = || -> Vec<u64> {
@@ -256,12 +186,12 @@ mod tests {
                 words.iter().for_each(|w| define(w, &table, &mut expected[w.row - own.start]));
                 for &level in Level::available() {
                     let mut found = vec![RowCounts { x: 7, ..RowCounts::default() }; own.len()];
-                    count_rows_at(level, &bits, own.clone(), &table, &mut found);
+                    count_rows_at(level, &bits, own.clone(), &mut found);
                     assert_eq!(found, expected, "{level}, {points} points");
-                    let mut found = vec![RowCounts::default(); rows];
-                    count_words_at(level, &words, &table, &mut found);
-                    assert_eq!(found[own.start..], expected, "{level}, {points} points");
                 }
+                let mut found = vec![RowCounts::default(); rows];
+                count_words(&words, &mut found);
+                assert_eq!(found[own.start..], expected, "{points} points");
             }
         }
     }

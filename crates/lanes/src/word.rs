@@ -100,28 +100,38 @@ impl<'a> BitRows<'a> {
         self.low.len() / self.words()
     }
 
-    fn words(&self) -> usize {
+    pub(crate) fn words(&self) -> usize {
         crate::words(self.points)
     }
 
     /// The four rows around row `y` of cells.
     #[inline(always)]
     fn around(&self, y: usize) -> [&'a [u64]; 4] {
+        self.flat(y..y + 1)
+    }
+
+    /// Some rows and those around them, each as one list of words: more than one row only of those that have
+    /// a next.
+    #[inline(always)]
+    pub(crate) fn flat(&self, rows: Range<usize>) -> [&'a [u64]; 4] {
         let words = self.words();
-        let own = y * words..(y + 1) * words;
-        let next = if y + 1 < self.rows() { own.end..own.end + words } else { own.clone() };
+        let own = rows.start * words..rows.end * words;
+        let next = match rows.end < self.rows() {
+            true => own.start + words..own.end + words,
+            false => own.clone(),
+        };
         [&self.low[own.clone()], &self.low[next.clone()], &self.high[own], &self.high[next]]
     }
 
     /// Whether there are cells between a row and the next.
     #[inline(always)]
-    fn has_cells(&self, y: usize) -> bool {
+    pub(crate) fn has_cells(&self, y: usize) -> bool {
         self.has_layer && y + 1 < self.rows()
     }
 
     /// The bits of the cells in word `w` of a row: every point but the last is the low corner of one.
     #[inline(always)]
-    fn cells(&self, w: usize) -> u64 {
+    pub(crate) fn cells(&self, w: usize) -> u64 {
         match w + 1 == self.words() {
             true => (1 << ((self.points - 1) % WORD)) - 1,
             false => u64::MAX,

@@ -1,10 +1,11 @@
 //! The entries: volume, value, options, sink; or several values with a sink each.
 
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Skipped, Source,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Skipped, Source,
     fill::{Fill, Winding},
-    layout::Layout,
+    layout::{Layout, check_size},
     planes::{Lattice, Planes},
+    tally::{Tally, Whole},
     vertex::Placement,
 };
 use isokit_job::Job;
@@ -132,6 +133,11 @@ pub fn count_many<'a, T: Sample>(
 ) -> Result<Vec<Counts>, ExtractError> {
     let source: Source<'_, T> = samples.into();
     job.threads.run(|| {
+        if source.bricks.is_none()
+            && let Some(counts) = tallied(&source.view, isos, options, job)?
+        {
+            return Ok(counts);
+        }
         let (planes, _) = classified(&source, isos, Passes::Count, options, job)?;
         let count = |planes| {
             let layout = layout(&planes, options, job)?;
@@ -139,6 +145,26 @@ pub fn count_many<'a, T: Sample>(
         };
         planes.into_iter().map(count).collect()
     })
+}
+
+/// The counts by the short way, where no sample is NaN or that does not matter.
+fn tallied<T: Sample>(
+    view: &View<'_, T>,
+    isos: &[f64],
+    options: &ExtractOptions,
+    job: &Job,
+) -> Result<Option<Vec<Counts>>, ExtractError> {
+    let lattice = checked(view, isos, options)?;
+    let stops_at_nan = options.nan != Nan::Outside && !T::DTYPE.is_integer();
+    if !lattice.has_cells() {
+        return Ok(None);
+    }
+    job.progress.begin("count", lattice.points[2] as u64);
+    let Some(tally) = Tally::of(*view, lattice, isos, stops_at_nan, job)? else {
+        return Ok(None);
+    };
+    let count = |whole: Whole| check_size(whole.counts, whole.widest).map(|()| whole.counts);
+    tally.into_iter().map(count).collect::<Result<_, _>>().map(Some)
 }
 
 /// What follows the classification, once for each isovalue.
@@ -157,17 +183,27 @@ fn classified<T: Sample, E: Send>(
     job: &Job,
 ) -> Result<(Vec<Planes>, Skipped), ExtractError<E>> {
     let view = &source.view;
-    if let Some(&iso) = isos.iter().find(|iso| !iso.is_finite()) {
-        return Err(ExtractError::Iso(iso));
-    }
-    let lattice = Lattice::new(view.dims(), options.boundary);
-    if let Some(axis) = lattice.points.iter().position(|&n| n > i32::MAX as usize) {
-        return Err(ExtractError::TooLong { axis, size: view.dims()[axis] });
-    }
+    let lattice = checked(view, isos, options)?;
     // Each pass goes through all slices once.
     let passes = 1 + passes as u64 * isos.len() as u64;
     job.progress.begin("extract", passes * view.dims()[2] as u64);
     Planes::classify(source, lattice, isos, options.nan, job)
+}
+
+/// The lattice, once it is known that it can be numbered.
+fn checked<T: Sample, E>(
+    view: &View<'_, T>,
+    isos: &[f64],
+    options: &ExtractOptions,
+) -> Result<Lattice, ExtractError<E>> {
+    if let Some(&iso) = isos.iter().find(|iso| !iso.is_finite()) {
+        return Err(ExtractError::Iso(iso));
+    }
+    let lattice = Lattice::new(view.dims(), options.boundary);
+    match lattice.points.iter().position(|&n| n > i32::MAX as usize) {
+        Some(axis) => Err(ExtractError::TooLong { axis, size: view.dims()[axis] }),
+        None => Ok(lattice),
+    }
 }
 
 /// The numbers of all vertices and triangles; none where there can be none.

@@ -7,7 +7,6 @@
 
 use crate::{
     ExtractError,
-    case::CASES,
     masked::LiveCells,
     planes::{Lattice, Planes},
 };
@@ -83,12 +82,8 @@ impl Layout {
         });
         let counted = counted.collect::<Result<Vec<_>, Cancelled>>()?.concat();
         let slices = running_sum(*before, &counted);
-        let whole = slices[counted.len()];
         let widest = counted.iter().map(|slice| slice.triangles).max().unwrap_or(0);
-        if whole.vertices > u32::MAX.into() || widest > u32::MAX.into() {
-            let Counts { vertices, triangles } = whole;
-            return Err(ExtractError::TooLarge { vertices, triangles });
-        }
+        check_size(slices[counted.len()], widest)?;
         let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(slices.par_windows(2)).enumerate();
         // No triangle names an edge of a slice without, unless it is that after the last own one. No number
         // exceeds the total, which fits.
@@ -156,6 +151,17 @@ fn words(
     }
 }
 
+/// Whether 32 bits number all vertices, and the triangles of each slice, of which there are at most `widest`.
+pub(crate) fn check_size<E>(
+    Counts { vertices, triangles }: Counts,
+    widest: u64,
+) -> Result<(), ExtractError<E>> {
+    match vertices > u32::MAX.into() || widest > u32::MAX.into() {
+        true => Err(ExtractError::TooLarge { vertices, triangles }),
+        false => Ok(()),
+    }
+}
+
 fn count_slice(
     planes: &Planes,
     live: Option<&LiveCells>,
@@ -170,9 +176,9 @@ fn count_slice(
     let rows = 0..slice.len();
     if live.is_some() || planes.visits.is_some() {
         words(planes, live, rows, z, scratch);
-        count_words(scratch, &CASES.counts, slice);
+        count_words(scratch, slice);
     } else {
-        count_rows(&planes.inside.slices(z), rows, &CASES.counts, slice);
+        count_rows(&planes.inside.slices(z), rows, slice);
     }
     for row in slice {
         counts.vertices += u64::from(row.x) + u64::from(row.y) + u64::from(row.z);

@@ -52,6 +52,15 @@ impl Lattice {
     }
 }
 
+/// Moves the bits of a row of samples behind a guard.
+#[inline(always)]
+pub(crate) fn behind_guard(row: &mut [u64]) {
+    let mut carry = 0;
+    for word in row {
+        (carry, *word) = (*word >> 63, *word << 1 | carry);
+    }
+}
+
 /// One bit for every lattice point.
 #[derive(Debug)]
 pub(crate) struct Plane {

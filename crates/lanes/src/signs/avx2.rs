@@ -2,12 +2,12 @@
 //! gathered into a mask. There is no unsigned comparison and no "at least"; the greater (or lesser) of
 //! two is compared with one of them instead, or the opposite comparison is inverted.
 
-use super::prefetch_ahead;
+use super::{Strided, prefetch_ahead};
 use std::arch::x86_64::*;
 
 /// A module for one type of sample, with the row loops `at_least` and `at_most`. `$mask` gives the bits of
-/// one register's samples whose lanes are ones. For each word of samples, which stays in the cache, `out`
-/// gets a word for each bound.
+/// one register's samples whose lanes are ones. Each word of samples, which stays in the cache, is
+/// compared with every bound.
 macro_rules! kernels {
     ($t:ident, $lanes:literal, $load:expr, $splat:expr, $mask:expr, $at_least:expr, $at_most:expr) => {
         pub(super) mod $t {
@@ -19,11 +19,12 @@ macro_rules! kernels {
     };
     (@row $name:ident, $t:ident, $lanes:literal, $load:expr, $splat:expr, $mask:expr, $holds:expr) => {
         #[target_feature(enable = "avx2")]
-        pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: &mut [u64]) {
-            for (words, samples) in out.chunks_exact_mut(bounds.len()).zip(rows) {
+        pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: Strided<'_>) {
+            let Strided { out, stride } = out;
+            for (w, samples) in rows.iter().enumerate() {
                 prefetch_ahead(samples);
                 let (parts, _) = samples.as_chunks::<$lanes>();
-                for (word, &bound) in words.iter_mut().zip(bounds) {
+                for (k, &bound) in bounds.iter().enumerate() {
                     let (bound, mut bits) = ($splat(bound), 0);
                     for part in parts.iter().rev() {
                         // SAFETY: `part` is one register's worth of samples; the load needs no
@@ -31,7 +32,7 @@ macro_rules! kernels {
                         let part = unsafe { $load(part.as_ptr().cast()) };
                         bits = bits << $lanes | $mask($holds(part, bound));
                     }
-                    *word = bits;
+                    out[k * stride + w] = bits;
                 }
             }
         }

@@ -1,37 +1,36 @@
 //! The comparisons with 512-bit registers: a comparison is its own bit mask.
 
-use super::prefetch_ahead;
+use super::{Strided, prefetch_ahead};
 use std::arch::x86_64::*;
 
-/// A module for one type of sample, with the row loops `at_least` and `at_most`. For each word of samples,
-/// which stays in the cache, `out` gets a word for each bound.
+/// A module for one type of sample, with the row loops `at_least` and `at_most`. Each word of
+/// samples, which stays in the cache, is compared with every bound.
 macro_rules! kernels {
-    ($t:ident, $lanes:literal, $load:expr, $splat:expr, $at_least:expr, $at_most:expr) => {
+    ($t:ident, $lanes:literal, $mask:ident, $load:expr, $splat:expr, $at_least:expr, $at_most:expr) => {
         pub(super) mod $t {
             use super::*;
 
-            kernels!(@row at_least, $t, $lanes, $load, $splat, $at_least);
-            kernels!(@row at_most, $t, $lanes, $load, $splat, $at_most);
+            kernels!(@row at_least, $t, $lanes, $mask, $load, $splat, $at_least);
+            kernels!(@row at_most, $t, $lanes, $mask, $load, $splat, $at_most);
         }
     };
-    (@row $name:ident, $t:ident, $lanes:literal, $load:expr, $splat:expr, $compare:expr) => {
+    (@row $name:ident, $t:ident, $lanes:literal, $mask:ident, $load:expr, $splat:expr, $compare:expr) => {
         #[target_feature(enable = "avx512f,avx512bw")]
-        pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: &mut [u64]) {
-            for (words, samples) in out.chunks_exact_mut(bounds.len()).zip(rows) {
+        pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: Strided<'_>) {
+            let Strided { out, stride } = out;
+            for (w, samples) in rows.iter().enumerate() {
                 prefetch_ahead(samples);
                 let (parts, _) = samples.as_chunks::<$lanes>();
-                for (word, &bound) in words.iter_mut().zip(bounds) {
-                    let (bound, mut bits) = ($splat(bound), 0);
-                    for part in parts.iter().rev() {
-                        // SAFETY: `part` is one register's worth of samples; the load needs no
-                        // alignment.
-                        let part = unsafe { $load(part.as_ptr().cast()) };
-                        bits = match $lanes {
-                            64 => u64::from($compare(part, bound)),
-                            _ => bits << ($lanes % 64) | u64::from($compare(part, bound)),
-                        };
+                // SAFETY: each part is one register's worth of samples; the load needs no alignment.
+                let parts: [_; 64 / $lanes] =
+                    std::array::from_fn(|n| unsafe { $load(parts[n].as_ptr().cast()) });
+                for (k, &bound) in bounds.iter().enumerate() {
+                    let bound = $splat(bound);
+                    let bits = &raw mut out[k * stride + w];
+                    for (n, part) in parts.into_iter().enumerate() {
+                        // SAFETY: the masks of all parts fill the word.
+                        unsafe { bits.cast::<$mask>().add(n).write($compare(part, bound)) };
                     }
-                    *word = bits;
                 }
             }
         }
@@ -41,6 +40,7 @@ macro_rules! kernels {
 kernels!(
     u8,
     64,
+    u64,
     _mm512_loadu_epi8,
     |b: u8| _mm512_set1_epi8(b as i8),
     _mm512_cmpge_epu8_mask,
@@ -49,6 +49,7 @@ kernels!(
 kernels!(
     i8,
     64,
+    u64,
     _mm512_loadu_epi8,
     _mm512_set1_epi8,
     _mm512_cmpge_epi8_mask,
@@ -57,6 +58,7 @@ kernels!(
 kernels!(
     u16,
     32,
+    u32,
     _mm512_loadu_epi16,
     |b: u16| _mm512_set1_epi16(b as i16),
     _mm512_cmpge_epu16_mask,
@@ -65,6 +67,7 @@ kernels!(
 kernels!(
     i16,
     32,
+    u32,
     _mm512_loadu_epi16,
     _mm512_set1_epi16,
     _mm512_cmpge_epi16_mask,
@@ -73,6 +76,7 @@ kernels!(
 kernels!(
     u32,
     16,
+    u16,
     _mm512_loadu_epi32,
     |b: u32| _mm512_set1_epi32(b as i32),
     _mm512_cmpge_epu32_mask,
@@ -81,6 +85,7 @@ kernels!(
 kernels!(
     i32,
     16,
+    u16,
     _mm512_loadu_epi32,
     _mm512_set1_epi32,
     _mm512_cmpge_epi32_mask,
@@ -89,6 +94,7 @@ kernels!(
 kernels!(
     f32,
     16,
+    u16,
     _mm512_loadu_ps,
     _mm512_set1_ps,
     _mm512_cmp_ps_mask::<_CMP_GE_OQ>,
@@ -97,6 +103,7 @@ kernels!(
 kernels!(
     f64,
     8,
+    u8,
     _mm512_loadu_pd,
     _mm512_set1_pd,
     _mm512_cmp_pd_mask::<_CMP_GE_OQ>,

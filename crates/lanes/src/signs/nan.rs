@@ -1,6 +1,6 @@
 //! Which samples are not a number.
 
-use super::{Lane, WORD, by_words, pack};
+use super::{Lane, Strided, WORD, by_words, pack, words};
 use crate::Level;
 
 #[inline(always)]
@@ -12,9 +12,10 @@ fn is_nan<T: Lane>(sample: T) -> bool {
 ///
 /// # Panics
 ///
-/// If `out` has not [`words`](super::words)`(row.len())` words.
+/// If `out` has not [`words`]`(row.len())` words.
 pub fn nans<T: Lane>(row: &[T], out: &mut [u64]) {
-    by_words(row, 1, out, |whole, out| {
+    assert_eq!(out.len(), words(row.len()), "one bit per sample");
+    by_words(row, 1, Strided { out, stride: 0 }, |whole, Strided { out, .. }| {
         for (word, samples) in out.iter_mut().zip(whole) {
             *word = pack(samples, is_nan);
         }

@@ -1,6 +1,8 @@
 //! Every loop against the definition, sample by sample.
 
-use super::{Lane, Threshold, Thresholds, many_at, nan::has_nan_at, nans, signs_of_many, words};
+use super::{
+    Lane, Strided, Threshold, Thresholds, many_at, nan::has_nan_at, nans, signs_of_many, words,
+};
 use crate::Level;
 use std::fmt::Debug;
 
@@ -30,7 +32,7 @@ fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
                 let alone = Thresholds::new(&[threshold]).unwrap();
                 for &level in Level::available() {
                     found.fill(u64::MAX);
-                    many_at(level, row, &alone, &mut found);
+                    many_at(level, row, &alone, Strided { out: &mut found, stride: 0 });
                     assert_eq!(found, expected, "{level}, {length} samples, {threshold:?}");
                 }
             }
@@ -54,11 +56,13 @@ fn check_many<T: Lane + Debug>(row: &[T], bounds: &[T]) {
             let each: Vec<_> = bounds[..count].iter().map(|&bound| make(bound)).collect();
             let all = Thresholds::new(&each).unwrap();
             for &level in Level::available() {
-                let mut found = vec![u64::MAX; words(row.len()) * all.count()];
-                many_at(level, row, &all, &mut found);
+                let (own, stride) = (words(row.len()), words(row.len()) + count);
+                let mut out = vec![u64::MAX; stride * count];
+                many_at(level, row, &all, Strided { out: &mut out, stride });
                 for (k, &threshold) in each.iter().enumerate() {
                     let expected = by_definition(row, |sample| threshold.is_inside(sample));
-                    let found: Vec<u64> = found.iter().skip(k).step_by(count).copied().collect();
+                    let (found, between) = out[k * stride..][..stride].split_at(own);
+                    assert!(between.iter().all(|&word| word == u64::MAX));
                     assert_eq!(found, expected, "{level}, {threshold:?} of {count}");
                 }
             }
@@ -110,7 +114,7 @@ fn a_tie_is_inside_and_nan_is_not() {
     let word = |threshold| {
         let mut word = [0];
         let threshold = Thresholds::new(&[threshold]).unwrap();
-        signs_of_many(&[1.0, f64::NAN, -0.0, 0.0], &threshold, &mut word);
+        signs_of_many(&[1.0, f64::NAN, -0.0, 0.0], &threshold, &mut word, 1);
         word[0]
     };
     assert_eq!(word(Threshold::AtLeast(0.0)), 0b1101);

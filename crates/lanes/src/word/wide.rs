@@ -12,8 +12,6 @@ pub(crate) struct Eight {
     cells: __m512i,
     /// The crossed cells.
     pub(crate) active: __m512i,
-    /// The cut edges that a row owns, along x, y, z.
-    pub(crate) owned: [__m512i; 3],
     /// The words that are not blank.
     pub(crate) found: u8,
     /// Row and place in it of the first word, and words in a row.
@@ -133,18 +131,12 @@ impl<'a> Eights<'a> {
 
     /// Begins with the rows that are left: all but the last of all, or that one. None if none are.
     fn take_rows(&mut self) -> bool {
-        let (first, words) = (self.left.start, self.bits.words());
+        let first = self.left.start;
         let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
         if self.left.is_empty() {
             return false;
         }
-        let own = first * words..end * words;
-        let next = match first + 1 < self.bits.rows() {
-            true => own.start + words..own.end + words,
-            false => own.clone(),
-        };
-        let BitRows { low, high, .. } = self.bits;
-        self.flat = [&low[own.clone()], &low[next.clone()], &high[own], &high[next]];
+        self.flat = self.bits.flat(first..end);
         (self.at, self.wanted, self.place) = (0, self.flat[0].len(), [first, 0]);
         self.has_cells = self.bits.has_cells(first);
         self.left.start = end;
@@ -183,10 +175,10 @@ impl<'a> Eights<'a> {
         let crossed = _mm512_and_si512(_mm512_andnot_si512(all, any), cells);
         let active = if self.has_cells { crossed } else { zero };
         let x = _mm512_and_si512(_mm512_xor_si512(low[0], high[0]), cells);
-        let owned = [x, _mm512_xor_si512(low[0], low[1]), _mm512_xor_si512(low[0], low[2])];
-        let some = _mm512_or_si512(_mm512_or_si512(active, x), _mm512_or_si512(owned[1], owned[2]));
+        let (y, z) = (_mm512_xor_si512(low[0], low[1]), _mm512_xor_si512(low[0], low[2]));
+        let some = _mm512_or_si512(_mm512_or_si512(active, x), _mm512_or_si512(y, z));
         let found = _mm512_test_epi64_mask(some, some);
-        Eight { low, high, cells, active, owned, found, place: self.place, words }
+        Eight { low, high, cells, active, found, place: self.place, words }
     }
 }
 

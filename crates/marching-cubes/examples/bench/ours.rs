@@ -110,7 +110,7 @@ impl<T: Sample> Isokit<T> {
         let slices = bits.par_chunks_mut(per_row * ny).zip(samples.par_chunks(nx * ny));
         let classify = |(bits, slice): (&mut [u64], &[T])| {
             let rows = slice.chunks_exact(nx).zip(bits.chunks_exact_mut(per_row));
-            rows.for_each(|(row, bits)| signs_of_many(row, &threshold, bits));
+            rows.for_each(|(row, bits)| signs_of_many(row, &threshold, bits, per_row));
         };
         let (answer, ()) = timed(|| job.threads.run(|| slices.for_each(classify)));
         Ok(self.with_input(answer))

@@ -30,11 +30,12 @@ pub(super) fn chosen<T: Sample, E>(
             for run in choice.compared.of_row(j, k) {
                 let row = view.row(j, k).part(run.start * WORD..nx.min(run.end * WORD));
                 let row = row.gather(&mut scratch);
-                found.resize(words(row.len()) * count, 0);
-                signs_of_many(row, thresholds, &mut found);
+                let own_words = words(row.len());
+                found.resize(own_words * count, 0);
+                signs_of_many(row, thresholds, &mut found, own_words);
                 read += row.len() as u64;
-                for (plane, slice) in slices.iter_mut().enumerate() {
-                    let words = found.chunks_exact(count).map(|all| all[plane]);
+                for (found, slice) in found.chunks_exact(own_words).zip(&mut slices) {
+                    let words = found.iter().copied();
                     place(words, run.start, lattice.guard, &mut slice[own.clone()]);
                 }
             }

@@ -1,6 +1,6 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Lattice, Plane, Planes, chosen::chosen};
+use super::{Lattice, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{Threshold, Thresholds, has_nan, nans, signs_of_many, words};
@@ -28,7 +28,7 @@ impl Planes {
         match (Thresholds::new(&asked), bricks) {
             (Some(each), None) => {
                 let test = |row: &[T], _, out: &mut [u64]| {
-                    signs_of_many(row, &each, out);
+                    signs_of_many(row, &each, out, words(row.len()));
                     let count = u64::from(may_be_nan && has_nan(row));
                     Found { count, first: None }
                 };
@@ -94,7 +94,7 @@ fn missing<T: Sample, E: Send>(
 }
 
 /// `count` planes at once, by `test`, which is given a row, its place, and room for the words of all
-/// planes: those of the first 64 samples first.
+/// planes, one after another.
 fn planes<T: Sample, E>(
     view: &View<'_, T>,
     lattice: Lattice,
@@ -114,15 +114,18 @@ fn planes<T: Sample, E>(
             let more = if let [slice] = &mut slices[..] {
                 let out = &mut slice[own];
                 let more = test(row, [j, k], &mut out[..words(nx)]);
-                place(out, guard);
+                if guard > 0 {
+                    behind_guard(out);
+                }
                 more
             } else {
                 let more = test(row, [j, k], &mut row_of_all);
-                for (plane, slice) in slices.iter_mut().enumerate() {
+                for (slice, words) in slices.iter_mut().zip(row_of_all.chunks_exact(words(nx))) {
                     let out = &mut slice[own.clone()];
-                    let words = row_of_all.chunks_exact(count).map(|all| all[plane]);
-                    out.iter_mut().zip(words).for_each(|(out, word)| *out = word);
-                    place(out, guard);
+                    out[..words.len()].copy_from_slice(words);
+                    if guard > 0 {
+                        behind_guard(out);
+                    }
                 }
                 more
             };
@@ -159,16 +162,4 @@ pub(super) fn slices<'a>(planes: &'a mut [Vec<u64>], lattice: Lattice) -> Vec<Ve
         slices.map(|slice| &mut slice[guard * words..(ny - guard) * words]).collect()
     };
     (0..nz - 2 * guard).map(next).collect()
-}
-
-/// Moves the bits of a row behind its guard, if it has one.
-#[inline(always)]
-fn place(row: &mut [u64], guard: usize) {
-    if guard == 0 {
-        return;
-    }
-    let mut carry = 0;
-    for word in row {
-        (carry, *word) = (*word >> 63, *word << 1 | carry);
-    }
 }

@@ -1,0 +1,155 @@
+//! How much surfaces have, where nobody wants them: slices are classified for all isovalues and counted while
+//! they are in the cache. No plane is kept.
+
+use crate::planes::{Lattice, behind_guard};
+use isokit_job::{Job, Stopped};
+use isokit_lanes::{Threshold, Thresholds, Totals, has_nan, signs_of_many, totals, words};
+use isokit_mesh::Counts;
+use isokit_volume::{Sample, View};
+use rayon::prelude::*;
+use std::{mem, ops::Range};
+
+/// Tasks per thread: few, for each looks at one slice that another looks at too.
+const TASKS: usize = 4;
+
+/// What there is to count.
+pub(crate) struct Tally<'a, T> {
+    view: View<'a, T>,
+    lattice: Lattice,
+    thresholds: Thresholds<T>,
+    stops_at_nan: bool,
+    /// For every word of a slice, which of its points begin a cell along x.
+    cells: Vec<u64>,
+}
+
+/// What was counted, for each threshold. Worth nothing after the NaN that was asked for.
+#[derive(Default)]
+struct Found {
+    counts: Vec<Whole>,
+    has_nan: bool,
+}
+
+/// A surface, and the most triangles that a slice of it has.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Whole {
+    pub(crate) counts: Counts,
+    pub(crate) widest: u64,
+}
+
+impl Whole {
+    /// Goes on with slices that come after.
+    fn add(&mut self, more: Self) {
+        self.counts.vertices += more.counts.vertices;
+        self.counts.triangles += more.counts.triangles;
+        self.widest = self.widest.max(more.widest);
+    }
+}
+
+impl<'a, T: Sample> Tally<'a, T> {
+    /// The counts for each isovalue, or nothing if a sample is NaN and that matters.
+    pub(crate) fn of(
+        view: View<'a, T>,
+        lattice: Lattice,
+        isos: &[f64],
+        stops_at_nan: bool,
+        job: &Job,
+    ) -> Result<Option<Vec<Whole>>, Stopped> {
+        let thresholds: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
+        let is_asked = |threshold: &Threshold<T>| !matches!(threshold, Threshold::Never);
+        let asked: Vec<_> = thresholds.iter().copied().filter(is_asked).collect();
+        let mut found = vec![].into_iter();
+        if let Some(thresholds) = Thresholds::new(&asked) {
+            let mut cells = job.limits.zeroed("cells of a slice", slice_words(lattice))?;
+            let row = (0..lattice.words).map(|w| lattice.cells(w)).cycle();
+            cells.iter_mut().zip(row).for_each(|(word, cells)| *word = cells);
+            let tally = Self { view, lattice, thresholds, stops_at_nan, cells };
+            let all = tally.all(job)?;
+            if all.has_nan {
+                return Ok(None);
+            }
+            found = all.counts.into_iter();
+        }
+        let counts = thresholds.iter().map(|threshold| match is_asked(threshold) {
+            true => found.next().unwrap_or_default(),
+            false => Whole::default(),
+        });
+        Ok(Some(counts.collect()))
+    }
+
+    fn all(&self, job: &Job) -> Result<Found, Stopped> {
+        let slices = self.lattice.points[2];
+        let per_task = slices.div_ceil(TASKS * job.threads.count());
+        let tasks = slices.div_ceil(per_task);
+        let count = |task| {
+            let first = task * per_task;
+            self.some(first..slices.min(first + per_task), job)
+        };
+        let counted: Vec<Found> =
+            (0..tasks).into_par_iter().map(count).collect::<Result<_, _>>()?;
+        let mut sum = Found::default();
+        sum.counts.resize(self.thresholds.count(), Whole::default());
+        for found in counted {
+            sum.has_nan |= found.has_nan;
+            sum.counts.iter_mut().zip(found.counts).for_each(|(sum, more)| sum.add(more));
+        }
+        Ok(sum)
+    }
+
+    /// What some slices own.
+    fn some(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
+        let (planes, nz) = (self.thresholds.count(), self.lattice.points[2]);
+        // A slice ends with the one word more that the loop may look at.
+        let stride = self.cells.len() + 1;
+        let size = (stride as u64).checked_mul(planes as u64);
+        let [mut low, mut high] = [
+            job.limits.zeroed("bits of a slice", size)?,
+            job.limits.zeroed("bits of a slice", size)?,
+        ];
+        let (mut found, mut scratch) = (Found::default(), vec![]);
+        found.counts.resize(planes, Whole::default());
+        self.classify(slices.start, &mut high, &mut found, &mut scratch);
+        for z in slices {
+            job.check()?;
+            mem::swap(&mut low, &mut high);
+            let has_next = z + 1 < nz;
+            if has_next {
+                self.classify(z + 1, &mut high, &mut found, &mut scratch);
+            }
+            let planes = low.chunks_exact(stride).zip(high.chunks_exact(stride));
+            for ((low, high), whole) in planes.zip(&mut found.counts) {
+                let high = has_next.then_some(high);
+                let Totals { vertices, triangles } =
+                    totals(low, high, &self.cells, self.lattice.words);
+                whole.add(Whole { counts: Counts { vertices, triangles }, widest: triangles });
+            }
+            job.progress.advance(1);
+        }
+        Ok(found)
+    }
+
+    /// The bits of a slice for every threshold, one after another.
+    fn classify(&self, z: usize, bits: &mut [u64], found: &mut Found, scratch: &mut Vec<T>) {
+        let Lattice { points: [_, ny, nz], guard, words: per_row } = self.lattice;
+        let stride = self.cells.len() + 1;
+        if z < guard || z >= nz - guard {
+            return bits.fill(0);
+        }
+        for y in guard..ny - guard {
+            let row = self.view.row(y - guard, z - guard).gather(scratch);
+            found.has_nan |= self.stops_at_nan && has_nan(row);
+            let bits = &mut bits[y * per_row..];
+            signs_of_many(row, &self.thresholds, bits, stride);
+            if guard > 0 {
+                for plane in bits.chunks_mut(stride) {
+                    let row = &mut plane[..per_row];
+                    row[words(self.view.dims()[0])..].fill(0);
+                    behind_guard(row);
+                }
+            }
+        }
+    }
+}
+
+fn slice_words(lattice: Lattice) -> Option<u64> {
+    (lattice.words as u64).checked_mul(lattice.points[1] as u64)
+}
