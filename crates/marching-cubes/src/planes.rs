@@ -7,7 +7,7 @@
 
 use crate::{Boundary, sparse::Visits};
 use isokit_lanes::{BitRows, words};
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 mod chosen;
 mod classify;
@@ -42,6 +42,12 @@ impl Lattice {
         (self.points[1] as u64).checked_mul(self.points[2] as u64)
     }
 
+    /// Where in a slice the words of a row of samples are.
+    pub(crate) fn row_of_samples(&self, j: usize) -> Range<usize> {
+        let y = j + self.guard;
+        y * self.words..(y + 1) * self.words
+    }
+
     /// The cells in word `w` of a row: every point but the last is the low corner of one.
     #[inline(always)]
     pub(crate) fn cells(&self, w: usize) -> u64 {
@@ -65,15 +71,26 @@ pub(crate) fn behind_guard(row: &mut [u64]) {
 #[derive(Debug)]
 pub(crate) struct Plane {
     lattice: Lattice,
-    bits: Vec<u64>,
+    /// The rows of each slice; nothing for one that is `blank`.
+    slices: Vec<Vec<u64>>,
+    /// A slice of nothing but zeros.
+    blank: Vec<u64>,
 }
 
 impl Plane {
+    /// Nothing but zeros.
+    fn blank(lattice: Lattice) -> Self {
+        let [_, ny, nz] = lattice.points;
+        Self { lattice, slices: vec![vec![]; nz], blank: vec![0; lattice.words * ny] }
+    }
+
     /// The rows of slice `z` of the lattice.
     #[inline(always)]
     fn slice(&self, z: usize) -> &[u64] {
-        let words = self.lattice.words * self.lattice.points[1];
-        &self.bits[z * words..(z + 1) * words]
+        match &self.slices[z][..] {
+            [] => &self.blank,
+            slice => slice,
+        }
     }
 
     /// The rows of slice `z`, and those of the next.
@@ -112,6 +129,6 @@ pub(crate) struct Planes {
 impl Planes {
     /// Whether it is known without a look that there is no surface.
     pub(crate) fn is_empty(&self) -> bool {
-        self.inside.bits.is_empty()
+        self.inside.slices.iter().all(Vec::is_empty)
     }
 }

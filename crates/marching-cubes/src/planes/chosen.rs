@@ -1,14 +1,10 @@
 //! Planes of which only some words are compared, and only some others written.
 
-use super::{
-    Lattice, Plane,
-    classify::{of_bits, slices, zeros},
-};
+use super::{Lattice, Plane, classify::slice_by_slice};
 use crate::{ExtractError, sparse::Choice};
-use isokit_job::{Cancelled, Job};
+use isokit_job::Job;
 use isokit_lanes::{Thresholds, WORD, signs_of_many, words};
 use isokit_volume::{Sample, View};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// A plane for each threshold, and how many samples were compared. What nobody looks at is left 0.
@@ -19,22 +15,23 @@ pub(super) fn chosen<T: Sample, E>(
     choice: &Choice,
     job: &Job,
 ) -> Result<(Vec<Plane>, u64), ExtractError<E>> {
-    let ([nx, ny, _], count) = (view.dims(), thresholds.count());
-    let mut bits = zeros(lattice, count, job)?;
-    let fill = |(k, mut slices): (usize, Vec<&mut [u64]>)| {
-        job.check()?;
-        let (mut read, mut scratch, mut found) = (0, vec![], vec![]);
+    let [nx, ny, _] = view.dims();
+    let fill = |k: usize, slices: &mut [Vec<u64>]| {
         let is_blank = [&choice.compared].into_iter().chain(&choice.full).all(|r| r.skips_slice(k));
-        for j in 0..if is_blank { 0 } else { ny } {
-            let own = j * lattice.words..(j + 1) * lattice.words;
+        if is_blank {
+            return None;
+        }
+        let (mut read, mut scratch, mut found) = (0, vec![], vec![]);
+        for j in 0..ny {
+            let own = lattice.row_of_samples(j);
             for run in choice.compared.of_row(j, k) {
                 let row = view.row(j, k).part(run.start * WORD..nx.min(run.end * WORD));
                 let row = row.gather(&mut scratch);
                 let own_words = words(row.len());
-                found.resize(own_words * count, 0);
+                found.resize(own_words * slices.len(), 0);
                 signs_of_many(row, thresholds, &mut found, own_words);
                 read += row.len() as u64;
-                for (found, slice) in found.chunks_exact(own_words).zip(&mut slices) {
+                for (found, slice) in found.chunks_exact(own_words).zip(&mut *slices) {
                     let words = found.iter().copied();
                     place(words, run.start, lattice.guard, &mut slice[own.clone()]);
                 }
@@ -45,12 +42,10 @@ pub(super) fn chosen<T: Sample, E>(
                 }
             }
         }
-        job.progress.advance(1);
-        Ok(read)
+        Some(read)
     };
-    let tasks = slices(&mut bits, lattice).into_par_iter().enumerate();
-    let read = tasks.map(fill).collect::<Result<Vec<u64>, Cancelled>>()?;
-    Ok((of_bits(lattice, bits), read.iter().sum()))
+    let (planes, read) = slice_by_slice(lattice, thresholds.count(), fill, job)?;
+    Ok((planes, read.iter().sum()))
 }
 
 /// Words of a row of `nx` samples that are all inside.

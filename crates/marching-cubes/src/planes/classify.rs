@@ -2,7 +2,7 @@
 
 use super::{Lattice, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
-use isokit_job::{Cancelled, Job, OverLimit};
+use isokit_job::{Cancelled, Job, Stopped};
 use isokit_lanes::{Threshold, Thresholds, has_nan, nans, signs_of_many, words};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
@@ -61,7 +61,7 @@ impl Planes {
         let of = |threshold| Self {
             lattice,
             inside: match threshold {
-                Threshold::Never => Plane { lattice, bits: vec![] },
+                Threshold::Never => Plane::blank(lattice),
                 _ => inside.next().expect("a plane for each that is asked"),
             },
             missing: absent.clone(),
@@ -102,64 +102,68 @@ fn planes<T: Sample, E>(
     test: impl Fn(&[T], [usize; 2], &mut [u64]) -> Found + Sync,
     job: &Job,
 ) -> Result<(Vec<Plane>, Found), ExtractError<E>> {
-    let ([nx, ny, _], guard) = (view.dims(), lattice.guard);
-    let mut bits = zeros(lattice, count, job)?;
-    let fill = |(k, mut slices): (usize, Vec<&mut [u64]>)| {
-        job.check()?;
+    let [nx, ny, _] = view.dims();
+    let fill = |k: usize, slices: &mut [Vec<u64>]| {
         let (mut found, mut scratch) = (Found::default(), vec![]);
         let mut row_of_all = vec![0; count * words(nx)];
         for j in 0..ny {
             let row = view.row(j, k).gather(&mut scratch);
-            let own = j * lattice.words..(j + 1) * lattice.words;
-            let more = if let [slice] = &mut slices[..] {
+            let own = lattice.row_of_samples(j);
+            if let [slice] = &mut slices[..] {
                 let out = &mut slice[own];
-                let more = test(row, [j, k], &mut out[..words(nx)]);
-                if guard > 0 {
+                found.add(test(row, [j, k], &mut out[..words(nx)]));
+                if lattice.guard > 0 {
                     behind_guard(out);
                 }
-                more
-            } else {
-                let more = test(row, [j, k], &mut row_of_all);
-                for (slice, words) in slices.iter_mut().zip(row_of_all.chunks_exact(words(nx))) {
-                    let out = &mut slice[own.clone()];
-                    out[..words.len()].copy_from_slice(words);
-                    if guard > 0 {
-                        behind_guard(out);
-                    }
+                continue;
+            }
+            found.add(test(row, [j, k], &mut row_of_all));
+            for (slice, words) in slices.iter_mut().zip(row_of_all.chunks_exact(words(nx))) {
+                let out = &mut slice[own.clone()];
+                out[..words.len()].copy_from_slice(words);
+                if lattice.guard > 0 {
+                    behind_guard(out);
                 }
-                more
-            };
-            found.add(more);
+            }
         }
-        job.progress.advance(1);
-        Ok(found)
+        Some(found)
     };
-    let found = slices(&mut bits, lattice).into_par_iter().enumerate().map(fill);
-    let found: Vec<Found> = found.collect::<Result<_, Cancelled>>()?;
+    let (planes, found) = slice_by_slice(lattice, count, fill, job)?;
     let mut nan = Found::default();
     found.into_iter().for_each(|found| nan.add(found));
-    Ok((of_bits(lattice, bits), nan))
+    Ok((planes, nan))
 }
 
-/// Fresh memory for the bits of so many planes.
-pub(super) fn zeros(lattice: Lattice, count: usize, job: &Job) -> Result<Vec<Vec<u64>>, OverLimit> {
-    let size = lattice.rows().and_then(|rows| rows.checked_mul(lattice.words as u64));
-    (0..count).map(|_| job.limits.zeroed("sign plane", size)).collect()
-}
-
-pub(super) fn of_bits(lattice: Lattice, bits: Vec<Vec<u64>>) -> Vec<Plane> {
-    let plane = |bits| Plane { lattice, bits };
-    bits.into_iter().map(plane).collect()
-}
-
-/// The rows of samples in the slices of all planes: for each slice of samples, those of every plane.
-pub(super) fn slices<'a>(planes: &'a mut [Vec<u64>], lattice: Lattice) -> Vec<Vec<&'a mut [u64]>> {
+/// Makes `count` planes. For each slice of samples `fill` gets its number and zeros for each plane, and may
+/// say by `None` that it left them so. What it finds comes in the order of the slices.
+pub(super) fn slice_by_slice<F: Send>(
+    lattice: Lattice,
+    count: usize,
+    fill: impl Fn(usize, &mut [Vec<u64>]) -> Option<F> + Sync,
+    job: &Job,
+) -> Result<(Vec<Plane>, Vec<F>), Stopped> {
     let Lattice { points: [_, ny, nz], guard, words } = lattice;
-    let slices = |bits: &'a mut Vec<u64>| bits.chunks_exact_mut(words * ny).skip(guard);
-    let mut planes: Vec<_> = planes.iter_mut().map(slices).collect();
-    let next = |_| {
-        let slices = planes.iter_mut().filter_map(Iterator::next);
-        slices.map(|slice| &mut slice[guard * words..(ny - guard) * words]).collect()
-    };
-    (0..nz - 2 * guard).map(next).collect()
+    let size = lattice.rows().and_then(|rows| rows.checked_mul(words as u64));
+    job.limits.probe(
+        "sign planes",
+        size.and_then(|n| n.checked_mul(count as u64)),
+        size_of::<u64>(),
+    )?;
+    let slices = (0..nz - 2 * guard).into_par_iter().map(|k| {
+        job.check()?;
+        let mut slices = vec![vec![0; words * ny]; count];
+        let found = fill(k, &mut slices);
+        job.progress.advance(1);
+        Ok(found.map(|found| (slices, found)))
+    });
+    let slices: Vec<Option<(Vec<Vec<u64>>, F)>> = slices.collect::<Result<_, Cancelled>>()?;
+    let mut planes: Vec<Plane> = (0..count).map(|_| Plane::blank(lattice)).collect();
+    let mut all = vec![];
+    for (k, (slices, found)) in slices.into_iter().enumerate().filter_map(|(k, s)| Some((k, s?))) {
+        for (plane, slice) in planes.iter_mut().zip(slices) {
+            plane.slices[k + guard] = slice;
+        }
+        all.push(found);
+    }
+    Ok((planes, all))
 }
