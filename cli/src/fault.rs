@@ -90,11 +90,18 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let stopped = || error.downcast_ref::<Stopped>().map(of_stopped);
     let cancelled = || error.downcast_ref::<isokit::job::Cancelled>().map(|_| Fault::Interrupted);
     let system = || error.downcast_ref().map(of_system);
-    let threads =
-        || error.downcast_ref::<ThreadsError>().map(|_| Fault::System("use fewer --threads"));
+    let threads = || error.downcast_ref().map(of_threads);
     let found =
         pipeline.or_else(usage).or_else(caller).or_else(read).or_else(write).or_else(stopped);
     found.or_else(cancelled).or_else(threads).or_else(system)
+}
+
+fn of_threads(error: &ThreadsError) -> Fault {
+    const ADVICE: &str = "use fewer --threads";
+    match error {
+        ThreadsError::TooMany { .. } => Fault::Caller(ADVICE),
+        ThreadsError::NotStarted { .. } => Fault::System(ADVICE),
+    }
 }
 
 fn of_pipeline(error: &PipelineError) -> Fault {

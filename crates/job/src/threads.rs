@@ -6,24 +6,42 @@ use std::{num::NonZeroUsize, sync::Arc};
 #[derive(Clone, Debug, Default)]
 pub struct Threads(Option<Arc<rayon::ThreadPool>>);
 
-/// The system gave no threads.
+/// Why there are no threads.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot start {count} threads")]
-pub struct ThreadsError {
-    /// How many were asked for.
-    pub count: NonZeroUsize,
-    source: rayon::ThreadPoolBuildError,
+pub enum ThreadsError {
+    /// The caller's fault: a machine that starts so many has no time for anything else.
+    #[error("{count} threads were asked for, at most {} can be", Threads::MOST)]
+    TooMany {
+        /// How many were asked for.
+        count: NonZeroUsize,
+    },
+
+    /// The system does not start them.
+    #[error("cannot start {count} threads")]
+    NotStarted {
+        /// How many were asked for.
+        count: NonZeroUsize,
+        /// Its reason.
+        source: rayon::ThreadPoolBuildError,
+    },
 }
 
 impl Threads {
+    /// More threads than this are taken for a mistake.
+    pub const MOST: usize = 1024;
+
     /// A pool of `count` threads of its own.
     ///
     /// # Errors
     ///
-    /// If the system does not start them.
+    /// If that is more than [`MOST`](Self::MOST), or the system does not start them.
     pub fn new(count: NonZeroUsize) -> Result<Self, ThreadsError> {
+        if count.get() > Self::MOST {
+            return Err(ThreadsError::TooMany { count });
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count.get()).build();
-        Ok(Self(Some(Arc::new(pool.map_err(|source| ThreadsError { count, source })?))))
+        let pool = pool.map_err(|source| ThreadsError::NotStarted { count, source })?;
+        Ok(Self(Some(Arc::new(pool))))
     }
 
     /// Runs `work`, and all that it does in parallel, on these threads.
@@ -47,6 +65,13 @@ impl Threads {
 mod tests {
     use super::Threads;
     use std::num::NonZeroUsize;
+
+    #[test]
+    fn a_mistyped_number_of_threads_starts_none() {
+        let count = NonZeroUsize::new(100_000).unwrap();
+        let error = Threads::new(count).unwrap_err();
+        assert_eq!(error.to_string(), "100000 threads were asked for, at most 1024 can be");
+    }
 
     #[test]
     fn work_runs_on_the_threads_asked_for() {

@@ -54,7 +54,7 @@ fn count_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq"
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
 )]
 fn count_rows_avx512(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
     count_rows_plain(bits, rows, out);

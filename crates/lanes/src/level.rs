@@ -10,7 +10,7 @@ pub enum Level {
     Portable,
     /// x86-64 with AVX2, BMI1, BMI2, LZCNT and POPCNT (2013).
     Avx2,
-    /// x86-64 with AVX-512 F, BW, VL, DQ, VBMI, VBMI2 and VPOPCNTDQ, GFNI (2019), and all of `Avx2`.
+    /// x86-64 with AVX-512 F, BW, VL, DQ, VBMI2 and VPOPCNTDQ (2019), and all of `Avx2`.
     Avx512,
 }
 
@@ -27,8 +27,8 @@ impl Level {
                 if avx2 && has!("lzcnt") && has!("popcnt") {
                     levels.push(Self::Avx2);
                     let wide = has!("avx512f") && has!("avx512bw") && has!("avx512vl");
-                    let permute = has!("avx512dq") && has!("avx512vbmi") && has!("avx512vbmi2");
-                    if wide && permute && has!("avx512vpopcntdq") && has!("gfni") {
+                    let more = has!("avx512dq") && has!("avx512vbmi2");
+                    if wide && more && has!("avx512vpopcntdq") {
                         levels.push(Self::Avx512);
                     }
                 }
@@ -55,6 +55,7 @@ impl Level {
         assert!(self <= Self::greatest(), "this machine has no {self}");
     }
 
+    #[inline]
     fn greatest() -> Self {
         let available = Self::available();
         available[available.len() - 1]

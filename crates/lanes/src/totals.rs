@@ -73,7 +73,7 @@ fn sum_avx2(rows: [&[u64]; 4], cells: &[u64]) -> Totals {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi,avx512vbmi2,avx512vpopcntdq"
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
 )]
 fn sum_avx512(rows: [&[u64]; 4], cells: &[u64]) -> Totals {
     sum_plain(rows, cells)

@@ -2,6 +2,7 @@
 
 use crate::{Grid, Sample, Scaling, View, Volume};
 use isokit_job::{Cancelled, Job, OverLimit};
+use isokit_lanes::prefer_large_pages;
 
 /// Gives the slices of a lattice, in z order, each once.
 pub trait SlabSource<T: Sample> {
@@ -41,6 +42,7 @@ pub fn collect<T: Sample, S: SlabSource<T>>(
 ) -> Result<Volume<T>, S::Error> {
     let grid = *source.grid();
     let mut samples: Vec<T> = job.limits.vec("volume", Some(grid.count()))?;
+    prefer_large_pages(samples.spare_capacity_mut());
     let count = samples.capacity().min(grid.count() as usize);
     let slice = grid.slice_count() as usize;
     let piece = slice * (PIECE / slice).max(1);

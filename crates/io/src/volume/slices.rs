@@ -10,6 +10,7 @@ use crate::{
     text::{next_number, shown},
 };
 use isokit_job::Job;
+use isokit_lanes::prefer_large_pages;
 use isokit_volume::{Grid, Sample, Scaling, SlabSource};
 use std::io::{ErrorKind, Read};
 
@@ -48,6 +49,7 @@ impl<T: Sample> FileSlices<T> {
         let [nx, ny, nz] = self.file.grid.dims().map(|n| n as usize);
         let plane = ny * nz;
         let mut planes: Vec<T> = job.limits.vec("volume", Some((plane * PLANES.min(nx)) as u64))?;
+        prefer_large_pages(samples.spare_capacity_mut());
         samples.resize(count as usize, T::default());
         job.progress.begin("read", nx as u64);
         for x in (0..nx).step_by(PLANES) {

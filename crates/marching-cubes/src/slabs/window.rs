@@ -3,7 +3,7 @@
 use super::{LEAST_WINDOW, Slabs};
 use crate::{found::Found, planes::Lattice};
 use isokit_job::{Cancelled, Job, OverLimit};
-use isokit_lanes::{nans, words};
+use isokit_lanes::{has_nan, nans, words};
 use isokit_volume::{Grid, Sample, Scaling, SlabSource, View};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -115,8 +115,11 @@ impl<T: Sample> Window<T> {
             job.check()?;
             let (mut found, mut scratch, mut bits) = (Found::default(), vec![], vec![0; words(nx)]);
             for j in 0..ny {
-                nans(view.row(j, k).gather(&mut scratch), &mut bits);
-                found.add(Found::in_row(&bits, [j, before + k]));
+                let row = view.row(j, k).gather(&mut scratch);
+                if has_nan(row) {
+                    nans(row, &mut bits);
+                    found.add(Found::in_row(&bits, [j, before + k]));
+                }
             }
             Ok(found)
         };
