@@ -132,6 +132,9 @@ fn of_extract(error: &ExtractError) -> Fault {
         ExtractError::TooLarge { .. } => Fault::Ours(
             "take parts of the volume with --roi, or another isovalue; --max-memory does not help",
         ),
+        ExtractError::TooFar { .. } => {
+            Fault::Caller("give an --origin nearer to 0, or use --space index for sample numbers")
+        }
         ExtractError::Stopped(stopped) => of_stopped(stopped),
         _ => Fault::Caller("choose another isovalue; `isokit info` shows the range"),
     }

@@ -94,7 +94,8 @@ mod tests {
 
     #[test]
     fn every_sample_is_in_the_chart() {
-        let histogram = Histogram { first: -1.0, width: 1.0, counts: vec![1; 33] };
+        let histogram =
+            Histogram { range: [-1.0, 31.0], first: -1.0, width: 1.0, counts: vec![1; 33] };
         let lines = chart(&histogram);
         assert_eq!(lines.len(), 11);
         assert!(lines[0].starts_with("-1.5 █"), "{}", lines[0]);
@@ -103,7 +104,12 @@ mod tests {
 
     #[test]
     fn few_values_make_few_lines() {
-        let lines = chart(&Histogram { first: 0.0, width: 1.0, counts: vec![100, 0, 1] });
+        let lines = chart(&Histogram {
+            range: [0.0, 2.0],
+            first: 0.0,
+            width: 1.0,
+            counts: vec![100, 0, 1],
+        });
         assert_eq!(lines.len(), 3);
         assert_eq!(lines[1], " 0.5  0");
     }

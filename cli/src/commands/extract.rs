@@ -134,9 +134,6 @@ fn meshes(
     }
     timings.extract = median(&all);
     timings.extract_all = (plan.repeat != Repeat::Once).then_some(all);
-    if !plan.index {
-        skipped.samples_read = scan.volume().grid().count();
-    }
     Ok((meshes, skipped))
 }
 

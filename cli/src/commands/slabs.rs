@@ -92,7 +92,9 @@ fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan, copies: u64) -> Resul
     let budget = scan.budget(left, (plan.levels.len() as u64, copies), &plan.surface);
     Ok(budget.map_err(|over| {
         let needed = over.needed.saturating_add(BASE).div_ceil(1 << 20);
-        let message = format!("--max-memory is too little: four slices need {needed}MiB in all");
+        let message = format!(
+            "--max-memory is too little: the fewest slices at a time need {needed}MiB in all"
+        );
         CallerError { message, advice: "allow as much, or take a part of each slice with --roi" }
     })?)
 }
@@ -159,7 +161,7 @@ fn report(
         shortfalls: None,
     };
     let statistics = scan.statistics(&session.job)?;
-    let slices = scan.part()[2].len() as u64;
+    let samples_read = scan.part().iter().map(|range| range.len() as u64).product();
     let report = ExtractReport {
         schema: EXTRACT_SCHEMA,
         command: &session.command,
@@ -168,8 +170,7 @@ fn report(
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,
-        skipped: Skipped { samples_read: slices * scan.grid().slice_count(), ..Skipped::default() }
-            .into(),
+        skipped: Skipped { samples_read, ..Skipped::default() }.into(),
         timings_s,
         threads: session.job.threads.count(),
         simd: simd(),

@@ -31,6 +31,18 @@ pub enum ExtractError<E = Infallible> {
         size: usize,
     },
 
+    /// The caller's fault, or the file's: positions cannot be told apart.
+    #[error(
+        "coordinates reach out to {reach:e}, where their type does not tell samples apart that are \
+         {spacing:e} from each other"
+    )]
+    TooFar {
+        /// The greatest absolute coordinate, in world units.
+        reach: f64,
+        /// The least distance of neighbouring samples, in world units.
+        spacing: f64,
+    },
+
     /// Our limit: triangles name their vertices in 32 bits.
     #[error(
         "the surface has {vertices} vertices and {triangles} triangles, more than 32 bits can \
@@ -76,6 +88,7 @@ impl<E> ExtractError<E> {
             Self::Iso(iso) => ExtractError::Iso(iso),
             Self::Nan { count, first } => ExtractError::Nan { count, first },
             Self::TooLong { axis, size } => ExtractError::TooLong { axis, size },
+            ExtractError::TooFar { reach, spacing } => ExtractError::TooFar { reach, spacing },
             Self::TooLarge { vertices, triangles } => {
                 ExtractError::TooLarge { vertices, triangles }
             }

@@ -33,7 +33,8 @@ pub struct Extracted {
 /// # Errors
 ///
 /// If `iso` is not finite, the volume has NaN and the options forbid it, the surface has 2³² vertices or
-/// more, an axis 2³¹ samples or so, or the job was cancelled or would take more memory than it may.
+/// more, an axis 2³¹ samples or so, the coordinates' type does not tell neighbouring samples apart, or
+/// the job was cancelled or would take more memory than it may.
 pub fn extract<T: Sample>(
     view: &View<'_, T>,
     iso: f64,
@@ -97,7 +98,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     assert_eq!(isos.len(), sinks.len(), "one sink per isovalue");
     let source: Source<'_, T> = samples.into();
     let view = &source.view;
-    let (precision, margin) = precision(&view.grid(), options);
+    let (precision, margin) = precision(&view.grid(), options)?;
     job.threads.run(|| {
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
@@ -219,7 +220,10 @@ fn layout<E: Send>(
 }
 
 /// What the caller chose, or f32 while it is exact enough, and the margin that then keeps vertices apart.
-pub(crate) fn precision(grid: &Grid, options: &ExtractOptions) -> (Precision, f64) {
+pub(crate) fn precision<E>(
+    grid: &Grid,
+    options: &ExtractOptions,
+) -> Result<(Precision, f64), ExtractError<E>> {
     /// What vertices keep from samples wherever rounding allows it.
     const USUAL: f64 = 1.0 / 1024.0;
     /// More would show.
@@ -230,25 +234,30 @@ pub(crate) fn precision(grid: &Grid, options: &ExtractOptions) -> (Precision, f6
         let reach = affine.spacing().iter().sum::<f64>() * GREATEST;
         bounds = bounds.with(bounds.min.map(|c| c - reach)).with(bounds.max.map(|c| c + reach));
     }
-    // Four steps of the coordinate's type at the outermost place, in the shortest edge lengths.
-    let needed = 4.0 * step_of_f32(bounds.reach()) / affine.least_stretch();
-    let fits = needed <= GREATEST;
-    let precision = options.precision.unwrap_or(match fits {
+    // Four steps of the coordinate's type at the outermost place, in the shortest edge lengths. Not a
+    // number if the type does not reach so far.
+    let (reach, stretch) = (bounds.reach(), affine.least_stretch());
+    let needed = |precision| {
+        4.0 / stretch
+            * match precision {
+                Precision::F32 => f64::from((reach as f32).next_up()) - f64::from(reach as f32),
+                Precision::F64 => reach.next_up() - reach,
+            }
+    };
+    let fits = |precision| needed(precision) <= GREATEST;
+    let precision = options.precision.unwrap_or(match fits(Precision::F32) {
         true => Precision::F32,
         false => Precision::F64,
     });
-    let margin = match (options.degenerate, precision) {
-        (Degenerate::Exact, _) => 0.0,
-        (_, Precision::F64) => USUAL,
-        (_, Precision::F32) => needed.clamp(USUAL, GREATEST),
+    // What f32 cannot hold is the caller's wish if he chose it, as long as it holds anything.
+    if !fits(Precision::F64) || !needed(precision).is_finite() {
+        return Err(ExtractError::TooFar { reach, spacing: stretch });
+    }
+    let margin = match options.degenerate {
+        Degenerate::Exact => 0.0,
+        Degenerate::Never => needed(precision).clamp(USUAL, GREATEST),
     };
-    (precision, margin)
-}
-
-/// The distance from `value`, which is not negative, to the next f32 above it.
-fn step_of_f32(value: f64) -> f64 {
-    let value = value as f32;
-    f64::from(value.next_up()) - f64::from(value)
+    Ok((precision, margin))
 }
 
 #[cfg(test)]

@@ -58,7 +58,8 @@ impl Layout {
         let lattice = planes.lattice;
         let [_, ny, _] = lattice.points;
         let Part { slices: own, before } = part;
-        let live = planes.missing.as_ref().map(|missing| LiveCells::new(lattice, missing));
+        let live = planes.missing.as_ref().map(|missing| LiveCells::new(lattice, missing, job));
+        let live = live.transpose()?;
         let mut rows: Vec<Row> = job.limits.zeroed("rows", lattice.rows())?;
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
         let counted = tasks.map(|(task, slab)| {

@@ -1,6 +1,7 @@
 //! Cells that give no surface because some corner has no value.
 
 use crate::planes::{Lattice, Plane};
+use isokit_job::{Job, OverLimit};
 use isokit_lanes::{WORD, Word};
 
 /// The cells that have a value at every corner: one bit each.
@@ -13,9 +14,11 @@ pub(crate) struct LiveCells {
 
 impl LiveCells {
     /// All cells of which no corner is missing.
-    pub(crate) fn new(lattice: Lattice, missing: &Plane) -> Self {
+    pub(crate) fn new(lattice: Lattice, missing: &Plane, job: &Job) -> Result<Self, OverLimit> {
         let rows = [lattice.points[1] - 1, lattice.points[2] - 1];
-        let mut bits = Vec::with_capacity(rows[0] * rows[1] * lattice.words);
+        let mut bits = job
+            .limits
+            .vec("cells", lattice.rows().and_then(|n| n.checked_mul(lattice.words as u64)))?;
         for (y, z) in (0..rows[1]).flat_map(|z| (0..rows[0]).map(move |y| (y, z))) {
             for w in 0..lattice.words {
                 let word = Word::new(missing.rows(y, z), w, lattice.cells(w));
@@ -23,7 +26,7 @@ impl LiveCells {
                 bits.push(!any & lattice.cells(w));
             }
         }
-        Self { rows, words: lattice.words, bits }
+        Ok(Self { rows, words: lattice.words, bits })
     }
 
     /// Takes away the cells that have no value at some corner, and the edges that only such cells share.

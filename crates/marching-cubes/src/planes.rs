@@ -42,6 +42,11 @@ impl Lattice {
         (self.points[1] as u64).checked_mul(self.points[2] as u64)
     }
 
+    /// Words of a slice.
+    pub(crate) fn slice_words(&self) -> usize {
+        self.words * self.points[1]
+    }
+
     /// Where in a slice the words of a row of samples are.
     pub(crate) fn row_of_samples(&self, j: usize) -> Range<usize> {
         let y = j + self.guard;
@@ -71,8 +76,9 @@ pub(crate) fn behind_guard(row: &mut [u64]) {
 #[derive(Debug)]
 pub(crate) struct Plane {
     lattice: Lattice,
-    /// The rows of each slice; nothing for one that is `blank`.
-    slices: Vec<Vec<u64>>,
+    /// The rows of slices of samples, so many slices together; nothing where all are blank.
+    groups: Vec<Vec<u64>>,
+    together: usize,
     /// A slice of nothing but zeros.
     blank: Vec<u64>,
 }
@@ -80,16 +86,21 @@ pub(crate) struct Plane {
 impl Plane {
     /// Nothing but zeros.
     fn blank(lattice: Lattice) -> Self {
-        let [_, ny, nz] = lattice.points;
-        Self { lattice, slices: vec![vec![]; nz], blank: vec![0; lattice.words * ny] }
+        Self { lattice, groups: vec![], together: 1, blank: vec![0; lattice.slice_words()] }
     }
 
     /// The rows of slice `z` of the lattice.
     #[inline(always)]
     fn slice(&self, z: usize) -> &[u64] {
-        match &self.slices[z][..] {
-            [] => &self.blank,
-            slice => slice,
+        // Guards are in no group.
+        let k = z.wrapping_sub(self.lattice.guard);
+        let words = self.blank.len();
+        match self.groups.get(k / self.together) {
+            Some(group) => {
+                let first = k % self.together * words;
+                group.get(first..first + words).unwrap_or(&self.blank)
+            }
+            None => &self.blank,
         }
     }
 
@@ -129,6 +140,6 @@ pub(crate) struct Planes {
 impl Planes {
     /// Whether it is known without a look that there is no surface.
     pub(crate) fn is_empty(&self) -> bool {
-        self.inside.slices.iter().all(Vec::is_empty)
+        self.inside.groups.iter().all(Vec::is_empty)
     }
 }

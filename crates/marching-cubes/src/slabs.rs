@@ -60,7 +60,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
     let grid = *source.grid();
     check(&grid, slabs)?;
     let mut surfaces: Vec<Surface> = slabs.isos.iter().map(|&iso| Surface::new(iso)).collect();
-    let making = Making { slabs, precision: precision(&grid, slabs.options), job };
+    let making = Making { slabs, precision: precision(&grid, slabs.options)?, job };
     let mut window = Window::new(&*source, slabs, job).map_err(ExtractError::from)?;
     job.progress.begin("extract", (3 * surfaces.len() as u64).saturating_mul(grid.dims()[2]));
     while !window.is_last() {

@@ -3,10 +3,13 @@
 use crate::{Sample, Scaling, Statistics, View};
 use isokit_job::{Cancelled, Job};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Counts of values in bins of equal width, from the least finite value to the greatest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
+    /// Least and greatest finite value.
+    pub range: [f64; 2],
     /// Value at the middle of the first bin.
     pub first: f64,
     /// Distance between the middles of neighbouring bins.
@@ -53,7 +56,7 @@ impl Histogram {
                 (least + width / 2.0, width, BINS)
             }
         };
-        Self { first, width, counts: vec![0; bins] }
+        Self { range: [least, greatest], first, width, counts: vec![0; bins] }
     }
 
     /// Counts every sample once.
@@ -64,10 +67,12 @@ impl Histogram {
     ) -> Result<(), Cancelled> {
         let [_, ny, nz] = view.dims();
         let (first, per_width, last) = (self.first, 1.0 / self.width, self.counts.len() - 1);
-        let of_slices = |slices: &[usize]| {
-            job.check()?;
+        let of_slices = |slices: Range<usize>| {
             let (mut counts, mut scratch) = (vec![0; last + 1], vec![]);
-            for (j, k) in slices.iter().flat_map(|&k| (0..ny).map(move |j| (j, k))) {
+            for (j, k) in slices.flat_map(|k| (0..ny).map(move |j| (j, k))) {
+                if j == 0 {
+                    job.check()?;
+                }
                 for sample in view.row(j, k).gather(&mut scratch) {
                     let value = view.scaling().value(sample.to_f64());
                     if value.is_finite() {
@@ -78,9 +83,11 @@ impl Histogram {
             }
             Ok(counts)
         };
-        let slices: Vec<usize> = (0..nz).collect();
+        // As few parts as threads, since each has all bins.
+        let per_part = nz.div_ceil(job.threads.count());
         let parts = job.threads.run(|| {
-            let parts = slices.par_chunks(64).map(of_slices);
+            let firsts = (0..nz).into_par_iter().step_by(per_part);
+            let parts = firsts.map(|first| of_slices(first..nz.min(first + per_part)));
             parts.collect::<Result<Vec<Vec<u64>>, Cancelled>>()
         })?;
         for part in parts {

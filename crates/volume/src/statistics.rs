@@ -35,12 +35,17 @@ impl Statistics {
     pub fn of<T: Sample>(view: &View<'_, T>, job: &Job) -> Result<Self, Cancelled> {
         let slices = view.dims()[2];
         job.progress.begin("scan", slices as u64);
-        let parts = job.threads.run(|| {
-            let parts = (0..slices).into_par_iter().map(|k| {
+        // Few parts, however thin the slices are.
+        let per_part = slices.div_ceil(16 * job.threads.count());
+        let of_part = |first: usize| {
+            (first..slices.min(first + per_part)).try_fold(Part::EMPTY, |part, k| {
                 job.check()?;
                 job.progress.advance(1);
-                Ok(Part::of_slice(view, k))
-            });
+                Ok(part.with(Part::of_slice(view, k)))
+            })
+        };
+        let parts = job.threads.run(|| {
+            let parts = (0..slices).into_par_iter().step_by(per_part).map(of_part);
             parts.collect::<Result<Vec<_>, Cancelled>>()
         })?;
         let whole = parts.into_iter().fold(Part::EMPTY, Part::with);

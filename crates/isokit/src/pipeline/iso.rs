@@ -50,12 +50,8 @@ fn finite_range(facts: &impl Facts, job: &Job) -> Result<Option<[f64; 2]>, Pipel
     if statistics.infinite == 0 {
         return Ok(statistics.range);
     }
-    // Infinite samples are in no bin; those that are in one reach half a bin beyond its middle.
-    Ok(facts.histogram(job)?.map(|histogram| {
-        let half = histogram.width / 2.0;
-        let last = histogram.middle(histogram.counts.len() - 1);
-        [histogram.first - half, last + half]
-    }))
+    // Infinite samples are in no bin.
+    Ok(facts.histogram(job)?.map(|histogram| histogram.range))
 }
 
 /// Not an isovalue.

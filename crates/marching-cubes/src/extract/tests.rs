@@ -212,7 +212,27 @@ fn far_from_the_origin_positions_are_kept_as_f64() {
     assert!(matches!(at(0.0, 1.0, Some(Precision::F64)), Positions::F64(_)));
 }
 
-/// The corners' differences are exact in f64, since they were f32 and near each other.
+#[test]
+fn where_no_type_tells_samples_apart_is_an_error() {
+    let volume = chance([4, 4, 4], 3, |r| (r % 7) as i16);
+    for (origin, precision, is_far) in [
+        (1e15, None, true),
+        (1e300, None, true),
+        (1e13, None, false),
+        (1e39, Some(Precision::F32), true),
+        (3.5e38, Some(Precision::F32), true),
+        (1e12, Some(Precision::F32), false),
+    ] {
+        let index_to_world = Affine::axis_aligned([1.0; 3], [0.0, origin, 0.0]).unwrap();
+        let view = volume.view().with_frame(Frame { index_to_world, ..Frame::default() });
+        let options = ExtractOptions::DEFAULT.with_precision(precision);
+        let found = extract(&view, 3.0, &options, &Job::default());
+        assert_eq!(matches!(found, Err(ExtractError::TooFar { .. })), is_far, "{origin:e}");
+        assert_eq!(found.is_err(), is_far, "{origin:e}");
+    }
+}
+
+/// The corners' differences are exact in f64, since they are near each other.
 fn has_area([p, q, r]: [[f64; 3]; 3]) -> bool {
     let (u, v): ([f64; 3], [f64; 3]) =
         (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| r[k] - p[k]));
@@ -220,8 +240,8 @@ fn has_area([p, q, r]: [[f64; 3]; 3]) -> bool {
 }
 
 #[test]
-fn wherever_f32_is_chosen_no_position_repeats_and_every_triangle_has_an_area() {
-    for (seed, exponent) in (0..).zip((0..120).map(|n| f64::from(n) * 0.2)) {
+fn however_far_away_no_position_repeats_and_every_triangle_has_an_area() {
+    for (seed, exponent) in (0..).zip((0..230).map(|n| f64::from(n) * 0.2)) {
         let volume = chance([8, 7, 9], seed, |r| (r % 3) as u8);
         let origin = exponent.exp2();
         let columns = [[0.9, 0.1, 0.0], [-0.1, 0.8, 0.2], [0.3, 0.0, 1.3]];

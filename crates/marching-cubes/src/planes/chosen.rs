@@ -16,11 +16,9 @@ pub(super) fn chosen<T: Sample, E>(
     job: &Job,
 ) -> Result<(Vec<Plane>, u64), ExtractError<E>> {
     let [nx, ny, _] = view.dims();
-    let fill = |k: usize, slices: &mut [Vec<u64>]| {
-        let is_blank = [&choice.compared].into_iter().chain(&choice.full).all(|r| r.skips_slice(k));
-        if is_blank {
-            return None;
-        }
+    let is_blank =
+        |k: usize| [&choice.compared].into_iter().chain(&choice.full).all(|r| r.skips_slice(k));
+    let fill = |k: usize, slices: &mut [&mut [u64]]| {
         let (mut read, mut scratch, mut found) = (0, vec![], vec![]);
         for j in 0..ny {
             let own = lattice.row_of_samples(j);
@@ -42,9 +40,9 @@ pub(super) fn chosen<T: Sample, E>(
                 }
             }
         }
-        Some(read)
+        read
     };
-    let (planes, read) = slice_by_slice(lattice, thresholds.count(), fill, job)?;
+    let (planes, read) = slice_by_slice(lattice, thresholds.count(), is_blank, fill, job)?;
     Ok((planes, read.iter().sum()))
 }
 

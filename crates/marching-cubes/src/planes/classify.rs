@@ -103,7 +103,7 @@ fn planes<T: Sample, E>(
     job: &Job,
 ) -> Result<(Vec<Plane>, Found), ExtractError<E>> {
     let [nx, ny, _] = view.dims();
-    let fill = |k: usize, slices: &mut [Vec<u64>]| {
+    let fill = |k: usize, slices: &mut [&mut [u64]]| {
         let (mut found, mut scratch) = (Found::default(), vec![]);
         let mut row_of_all = vec![0; count * words(nx)];
         for j in 0..ny {
@@ -126,44 +126,54 @@ fn planes<T: Sample, E>(
                 }
             }
         }
-        Some(found)
+        found
     };
-    let (planes, found) = slice_by_slice(lattice, count, fill, job)?;
+    let (planes, found) = slice_by_slice(lattice, count, |_| false, fill, job)?;
     let mut nan = Found::default();
     found.into_iter().for_each(|found| nan.add(found));
     Ok((planes, nan))
 }
 
-/// Makes `count` planes. For each slice of samples `fill` gets its number and zeros for each plane, and may
-/// say by `None` that it left them so. What it finds comes in the order of the slices.
+/// Words of some slices that lie together: small slices are many.
+const TOGETHER: usize = 2048;
+
+/// Makes `count` planes. For each slice of samples that is not blank `fill` gets its number and zeros for
+/// each plane. What it finds comes in the order of the slices.
 pub(super) fn slice_by_slice<F: Send>(
     lattice: Lattice,
     count: usize,
-    fill: impl Fn(usize, &mut [Vec<u64>]) -> Option<F> + Sync,
+    is_blank: impl Fn(usize) -> bool + Sync,
+    fill: impl Fn(usize, &mut [&mut [u64]]) -> F + Sync,
     job: &Job,
 ) -> Result<(Vec<Plane>, Vec<F>), Stopped> {
-    let Lattice { points: [_, ny, nz], guard, words } = lattice;
-    let size = lattice.rows().and_then(|rows| rows.checked_mul(words as u64));
-    job.limits.probe(
-        "sign planes",
-        size.and_then(|n| n.checked_mul(count as u64)),
-        size_of::<u64>(),
-    )?;
-    let slices = (0..nz - 2 * guard).into_par_iter().map(|k| {
+    let words = lattice.rows().and_then(|rows| rows.checked_mul(lattice.words as u64));
+    let words = words.and_then(|words| words.checked_mul(count as u64));
+    job.limits.probe("sign planes", words, size_of::<u64>())?;
+    let (words, slices) = (lattice.slice_words(), lattice.points[2] - 2 * lattice.guard);
+    let together = (TOGETHER / words).max(1);
+    let groups = (0..slices).into_par_iter().step_by(together).map(|first| {
         job.check()?;
-        let mut slices = vec![vec![0; words * ny]; count];
-        let found = fill(k, &mut slices);
-        job.progress.advance(1);
-        Ok(found.map(|found| (slices, found)))
-    });
-    let slices: Vec<Option<(Vec<Vec<u64>>, F)>> = slices.collect::<Result<_, Cancelled>>()?;
-    let mut planes: Vec<Plane> = (0..count).map(|_| Plane::blank(lattice)).collect();
-    let mut all = vec![];
-    for (k, (slices, found)) in slices.into_iter().enumerate().filter_map(|(k, s)| Some((k, s?))) {
-        for (plane, slice) in planes.iter_mut().zip(slices) {
-            plane.slices[k + guard] = slice;
+        let own = first..slices.min(first + together);
+        job.progress.advance(own.len() as u64);
+        if own.clone().all(&is_blank) {
+            return Ok((vec![vec![]; count], vec![]));
         }
-        all.push(found);
+        let mut planes = vec![vec![0; words * own.len()]; count];
+        let fill_one = |k: usize| {
+            let at = (k - first) * words;
+            let slices = planes.iter_mut().map(|plane| &mut plane[at..at + words]);
+            fill(k, &mut slices.collect::<Vec<_>>())
+        };
+        let found = own.filter(|&k| !is_blank(k)).map(fill_one).collect();
+        Ok((planes, found))
+    });
+    let groups: Vec<(Vec<Vec<u64>>, Vec<F>)> = groups.collect::<Result<_, Cancelled>>()?;
+    let mut planes = vec![];
+    planes.resize_with(count, || Plane { together, ..Plane::blank(lattice) });
+    let mut all = vec![];
+    for (group, found) in groups {
+        planes.iter_mut().zip(group).for_each(|(plane, words)| plane.groups.push(words));
+        all.extend(found);
     }
     Ok((planes, all))
 }

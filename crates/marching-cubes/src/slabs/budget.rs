@@ -9,7 +9,7 @@ use isokit_volume::{Dtype, Grid};
 /// How much of a volume and of its surfaces is in memory at a time. Changes time and memory only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Slices, at least [`LEAST_WINDOW`].
+    /// Slices, at least [`LEAST_WINDOW`] or as many as there are.
     pub window: usize,
     /// Bytes of the surface that a sink is asked for at a time. A slice that makes more is an error.
     pub piece_bytes: u64,
@@ -40,14 +40,16 @@ impl Budget {
     ) -> Result<Self, OverLimit> {
         let (surfaces, pieces) = (surfaces.max(1), surfaces.saturating_mul(pieces).max(1));
         let per_slice = bytes_per_slice(grid, dtype, surfaces, options);
-        let least = per_slice.map(|bytes| bytes.saturating_mul(LEAST_WINDOW as u64));
+        // A volume may have fewer.
+        let fewest = grid.dims()[2].min(LEAST_WINDOW as u64);
+        let least = per_slice.map(|bytes| bytes.saturating_mul(fewest));
         let needed = least.and_then(|least| least.checked_add(pieces.saturating_mul(LEAST_PIECE)));
         let (Some(per_slice), Some(0..)) = (per_slice, needed.and_then(|n| bytes.checked_sub(n)))
         else {
             let needed = needed.unwrap_or(u64::MAX);
             return Err(OverLimit { what: "extraction slice by slice", needed, limit: bytes });
         };
-        let most = (bytes / 2 / per_slice).max(LEAST_WINDOW as u64);
+        let most = (bytes / 2 / per_slice).max(fewest);
         let most = most.min((ENOUGH / per_slice).max(ENOUGH_SLICES));
         let window = most.min((bytes - pieces * LEAST_PIECE) / per_slice);
         let piece_bytes = (bytes - window * per_slice) / pieces;
@@ -83,13 +85,17 @@ mod tests {
     #[test]
     fn what_a_refusal_says_is_needed_suffices_and_no_less() {
         let options = &ExtractOptions::DEFAULT;
-        for (dims, pieces) in
-            [([1024, 1024, 2048], (1, 1)), ([3, 5, 7], (2, 3)), ([1 << 20, 900, 9], (3, 1))]
-        {
+        for (dims, pieces) in [
+            ([1024, 1024, 2048], (1, 1)),
+            ([3, 5, 7], (2, 3)),
+            ([1 << 20, 900, 9], (3, 1)),
+            ([4096, 2048, 1], (1, 2)),
+        ] {
             let grid = Grid::new(dims, Default::default()).unwrap();
             let within = |bytes| Budget::within(bytes, (&grid, Dtype::I16), pieces, options);
             let needed = within(0).unwrap_err().needed;
-            assert_eq!(within(needed).unwrap().window, LEAST_WINDOW);
+            let fewest = LEAST_WINDOW.min(dims[2] as usize);
+            assert_eq!(within(needed).unwrap().window, fewest);
             assert_eq!(within(needed - 1).unwrap_err().needed, needed);
         }
     }

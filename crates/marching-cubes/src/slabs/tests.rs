@@ -161,7 +161,11 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     let (options, job) = (&ExtractOptions::DEFAULT, Job::default());
     let budget = Budget { window: 5, piece_bytes: u64::MAX };
     let slabs = Slabs { isos: &[2.0], options, budget };
-    let making = Making { slabs: &slabs, precision: precision(&grid, options), job: &job };
+    let making = Making {
+        slabs: &slabs,
+        precision: precision::<Infallible>(&grid, options).unwrap(),
+        job: &job,
+    };
     let source = &mut Slices::new(volume.view());
     let mut window = Window::new(&*source, &slabs, &job).unwrap();
     let mut surface = Surface::new(2.0);

@@ -55,7 +55,10 @@ impl Edges {
         sides.par_sort_unstable_by_key(|side| side.edge);
         for same in sides.chunk_by(|a, b| a.edge == b.edge) {
             same.windows(2).for_each(|pair| pieces.unite(pair[0].part, pair[1].part));
-            let passed = [0, 1].map(|way| same.iter().map(|side| side.passed[way]).sum::<u16>());
+            // More than two are too many, however many they are.
+            let passed = [0, 1].map(|way| {
+                same.iter().fold(0, |sum: u16, side| sum.saturating_add(side.passed[way]))
+            });
             if same[0].lesser() >= end {
                 self.carried.push(Side { passed, ..same[0] });
             } else {

@@ -143,7 +143,11 @@ fn samples_of_one_value_give_no_automatic_isovalue() {
 fn an_infinite_sample_leaves_the_percentages_finite() {
     let ramp = scan(|[i, _, _]| if i == 0 { f32::NEG_INFINITY } else { i as f32 });
     let half = ramp.iso(IsoChoice::Percent(50.0), &Job::default()).unwrap();
-    assert!((half - 3.0).abs() < 1e-9, "{half}");
+    assert_eq!(half, 3.0);
+    let five = scan(|[i, _, _]| if i == 0 { f32::INFINITY } else { 5.0 });
+    for percent in [0.0, 50.0, 100.0] {
+        assert_eq!(five.iso(IsoChoice::Percent(percent), &Job::default()).unwrap(), 5.0);
+    }
 }
 
 #[test]
