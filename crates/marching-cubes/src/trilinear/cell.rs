@@ -5,7 +5,7 @@ use super::{
     number::ask,
     table::{AMBIGUOUS, Resolved, resolved},
 };
-use isokit_geom::cube::Face;
+use isokit_geom::cube::{Edge, Face};
 use isokit_volume::{Sample, View};
 use std::cmp::Ordering;
 
@@ -27,6 +27,11 @@ impl<'a, T: Sample> Values<'a, T> {
         // Half a step of the greatest f64: less than that makes no difference overflow.
         let greatest = 970.0_f64.exp2();
         Self { view, iso, scale: if iso.abs() < greatest { 1.0 } else { 0.25 }, guard }
+    }
+
+    /// The number of the sample at a lattice index. A guard before the first has −1, which wraps.
+    pub(super) fn sample(&self, point: usize) -> u32 {
+        point.wrapping_sub(self.guard) as u32
     }
 
     /// The cell whose lowest corner is a point of the lattice.
@@ -78,6 +83,12 @@ impl Verdict {
 impl Cell {
     fn is_inside(&self, k: usize) -> bool {
         self.code >> k & 1 == 1
+    }
+
+    /// Whether the surface crosses an edge.
+    pub(super) fn crosses(&self, edge: Edge) -> bool {
+        let [a, b] = edge.ends().map(|corner| self.is_inside(corner.index()));
+        a != b
     }
 
     /// The row of the table for this cell with these faces joined.
