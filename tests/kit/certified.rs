@@ -36,12 +36,18 @@
 //! SGP 2004, in spirit: subdivide until a criterion proves what a box holds. The walk over an octree is Ju,
 //! Losasso, Schaefer & Warren, "Dual contouring of Hermite data", SIGGRAPH 2002, section 3.2.
 
+#[cfg(test)]
+mod brute;
+mod class;
 mod octree;
 mod pieces;
 mod shift;
 mod strata;
+#[cfg(test)]
+mod tests;
 mod volume;
 
+pub use class::{Class, code, face_joins, random, random_with_code};
 pub use volume::{enclosed, volume};
 
 use octree::Octree;
@@ -79,8 +85,5 @@ pub struct Region {
 /// None if a limit is met first: of boxes, of their depth, or of 127 bits. Values up to 2⁴⁰ in magnitude are
 /// safe; where a saddle is exactly 0, values up to 2²⁹ once their common factor is taken out.
 pub fn cell(corners: [i64; 8]) -> Option<Cell> {
-    shift::attempts(corners).iter().find_map(Octree::of).map(|octree| octree.cell())
+    shift::attempts(corners).find_map(|values| Octree::of(&values)).map(|octree| octree.cell())
 }
-
-#[cfg(test)]
-mod tests;

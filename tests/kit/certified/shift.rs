@@ -2,7 +2,8 @@
 //!
 //! The surface at −ε is the same, up to a homeomorphism of the cell, for all ε between 0 and the least
 //! magnitude of a negative critical value: of the field in the cell, on a face, on an edge, at a corner. The
-//! values of `K·f + 1` are those of `f + 1/K`, and integers. So K has to exceed 1 over that magnitude.
+//! values of `K·f + 1` have the signs of `f + 1/K`, and are integers. So K has to exceed 1 over that
+//! magnitude; any such K will do.
 //!
 //! - Corners, and edges with them: integers, so K ≥ 2 will do.
 //! - A face with corners A, B, C, D in cyclic order: its saddle is n/e, with n = AC − BD, e = A + C − B − D.
@@ -16,45 +17,46 @@
 
 use isokit::geom::cube::{Corner, Face};
 
-/// Values must be below this for the bound of a singular cell, whose terms are at most 128 times the
-/// fourth power.
-const LARGEST: i128 = 1 << 29;
+/// How many numbers are tried before a cell is given up. A plane of the subdivision may have a singular face
+/// of its own, which the next number mends.
+const TRIES: i128 = 8;
 
-/// Fields to subdivide in turn until one ends: the values themselves and, where it can be had, `K·f + 1`,
-/// which comes first if a critical value may be 0.
-pub(super) fn attempts(corners: [i64; 8]) -> Vec<[i128; 8]> {
+/// Values must be below this for a bound: four times a product of two of them, or of two sums of two, fits.
+const LARGEST: i128 = 1 << 60;
+
+/// Fields to subdivide in turn until one ends: the values themselves and, where it can be had, `K·f + 1`
+/// for some K; these first if a critical value may be 0.
+pub(super) fn attempts(corners: [i64; 8]) -> impl Iterator<Item = [i128; 8]> {
     let mut values = corners.map(i128::from);
     let factor = values.iter().fold(0, |a, &b| gcd(a, b)).max(1);
     values = values.map(|v| v / factor);
-    let mut attempts = vec![values];
-    if let Some(Bound { scale, singular }) = bound(&values) {
-        attempts.insert(usize::from(!singular), values.map(|v| v * scale + 1));
-    }
-    attempts
+    let bound = bound(&values);
+    let singular = bound.as_ref().is_some_and(|bound| bound.singular);
+    let scales = bound.into_iter().flat_map(|bound| bound.scale..bound.scale + TRIES);
+    let shifted = scales.map(move |scale| values.map(|v| v * scale + 1));
+    let plain = |now: bool| now.then_some(values).into_iter();
+    plain(!singular).chain(shifted).chain(plain(singular))
 }
 
 struct Bound {
     /// K.
     scale: i128,
-    /// Whether a saddle is 0, of a face or of the box, if need be beyond its border.
+    /// Whether a saddle is 0, of a face or of the box, be it beyond their borders.
     singular: bool,
 }
 
 fn bound(values: &[i128; 8]) -> Option<Bound> {
-    if values.iter().any(|v| v.abs() >= LARGEST) {
-        return None;
-    }
-    let mut bound = Bound { scale: 2, singular: false };
-    // K > numerator / denominator
-    let mut exceed = |numerator: i128, denominator: i128| match denominator {
-        0 => bound.singular = true,
-        _ => bound.scale = bound.scale.max(numerator.abs() / denominator.abs() + 1),
+    let largest = values.iter().map(|v| v.abs()).max().filter(|&v| v < LARGEST)?;
+    let (mut scale, mut singular) = (2.0_f64, false);
+    // K exceeds an upper bound over a lower one.
+    let mut exceed = |upper: f64, lower: f64| match lower {
+        0.0 => singular = true,
+        _ => scale = scale.max(upper / lower * MARGIN + 1.0),
     };
     for face in Face::all() {
         let [a, b, c, d] = face.corners().map(|k| values[k.index()]);
-        let (n, e) = (a * c - b * d, a + c - b - d);
-        if e != 0 {
-            exceed(e, n);
+        if a + c != b + d {
+            exceed((a + c - b - d).abs() as f64, gap([a, c], [b, d])?);
         }
     }
     for axis in 0..3 {
@@ -66,13 +68,33 @@ fn bound(values: &[i128; 8]) -> Option<Bound> {
         let b = a0 * dc + c0 * da - b0 * dd - d0 * db;
         let n = a0 * c0 - b0 * d0;
         let (e0, e1) = (a0 + c0 - b0 - d0, da + dc - db - dd);
-        let (p, q, r) = (e1 * e1, 4 * a * e0 - 2 * b * e1, b * b - 4 * a * n);
-        exceed(p.abs() + q.abs(), r);
-        if r == 0 && q != 0 {
+        let product = |x: i128, y: i128| x.abs() as f64 * y.abs() as f64;
+        let (p, q) = (product(e1, e1), product(4 * a, e0) + product(2 * b, e1));
+        let r = gap([b, b], [4 * a, n])?;
+        exceed(p + q, r);
+        let q = gap([4 * a, e0], [2 * b, e1])?;
+        if r == 0.0 && q != 0.0 {
             exceed(p, q);
         }
     }
-    Some(bound)
+    // Rounded up, and small enough for what it will be multiplied with.
+    let scale = scale.ceil() as i128;
+    (scale + TRIES).checked_mul(largest + 1).map(|_| Bound { scale, singular })
+}
+
+/// More than what a few roundings of an `f64` take away.
+const MARGIN: f64 = 1.0 + 1e-12;
+
+/// A lower bound, and a close one, of how far two products are apart; 0 only if they are equal. None if that
+/// cannot be told: the products do not fit, and agree in their first digits.
+fn gap([a, b]: [i128; 2], [c, d]: [i128; 2]) -> Option<f64> {
+    let exact = a.checked_mul(b).zip(c.checked_mul(d)).and_then(|(x, y)| x.checked_sub(y));
+    if let Some(exact) = exact {
+        return Some(exact.unsigned_abs() as f64 / MARGIN);
+    }
+    let (x, y) = (a as f64 * b as f64, c as f64 * d as f64);
+    let off = (x.abs() + y.abs()) * (MARGIN - 1.0);
+    Some((x - y).abs() - off).filter(|&gap| gap > off)
 }
 
 fn gcd(a: i128, b: i128) -> i128 {

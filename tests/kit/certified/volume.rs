@@ -72,3 +72,138 @@ pub fn enclosed(dims: [usize; 3], samples: &[i64]) -> ([usize; 3], Vec<i64>) {
 fn points([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{cell, enclosed, points, volume};
+    use crate::{certified::random, chance::Chance};
+
+    /// The samples that a field has on a lattice around the origin, so many points to either side.
+    fn sampled(reach: i64, field: impl Fn([i64; 3]) -> i64) -> ([usize; 3], Vec<i64>) {
+        let dims = [2 * reach as usize + 1; 3];
+        (dims, points(dims).map(|point| field(point.map(|x| x as i64 - reach))).collect())
+    }
+
+    fn by_chance(dims: [usize; 3], reach: i64, chance: &mut Chance) -> Vec<i64> {
+        points(dims).map(|_| random(reach, chance)[0]).collect()
+    }
+
+    /// The same field on a lattice twice as fine, times 8.
+    fn refined(dims: [usize; 3], samples: &[i64]) -> ([usize; 3], Vec<i64>) {
+        let finer = dims.map(|n| 2 * n - 1);
+        let sample = |[x, y, z]: [usize; 3]| samples[x + dims[0] * (y + dims[1] * z)];
+        let value = |point: [usize; 3]| {
+            let ends = |axis: usize| [point[axis] / 2, point[axis].div_ceil(2)];
+            let corner = |k: usize| std::array::from_fn(|axis| ends(axis)[k >> axis & 1]);
+            (0..8).map(|k| sample(corner(k))).sum()
+        };
+        (finer, points(finer).map(value).collect())
+    }
+
+    #[test]
+    fn a_ball_is_a_sphere_and_a_ring_is_a_torus() {
+        let square = |[x, y, z]: [i64; 3]| x * x + y * y + z * z;
+        let (dims, ball) = sampled(4, |xyz| 10 - square(xyz));
+        assert_eq!(volume(dims, &ball), Some(vec![2]));
+        let ring = |[x, y, z]: [i64; 3]| {
+            let sum = square([x, y, z]) + 9 - 2;
+            4 * 9 * (x * x + y * y) - sum * sum
+        };
+        let (dims, ring) = sampled(5, ring);
+        assert_eq!(volume(dims, &ring), Some(vec![0]));
+        let (dims, shell) = sampled(4, |xyz| (square(xyz) - 3) * (12 - square(xyz)));
+        assert_eq!(volume(dims, &shell), Some(vec![2, 2]));
+    }
+
+    #[test]
+    fn a_surface_ends_at_the_border_unless_it_is_enclosed() {
+        let (dims, plane) = sampled(2, |[x, y, z]| x + 2 * y + 3 * z);
+        assert_eq!(volume(dims, &plane), Some(vec![1]));
+        let (dims, closed) = enclosed(dims, &plane);
+        assert_eq!(volume(dims, &closed), Some(vec![2]));
+        let (dims, closed) = enclosed([2, 1, 1], &[5, 7]);
+        assert_eq!((dims, volume(dims, &closed)), ([4, 3, 3], Some(vec![2])));
+        for dims in [[0, 3, 3], [3, 1, 3]] {
+            let samples: Vec<i64> =
+                (0..dims.iter().product::<usize>() as i64).map(|n| 2 - n).collect();
+            assert_eq!(volume(dims, &samples), Some(vec![]), "no cell, no surface");
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_the_border_may_be_any_outside_value() {
+        let mut chance = Chance::new(1);
+        for reach in [3, 1000].repeat(20) {
+            let dims = [3, 4, 2];
+            let (larger, low) = enclosed(dims, &by_chance(dims, reach, &mut chance));
+            let is_guard =
+                |point: [usize; 3]| (0..3).any(|t| [0, larger[t] - 1].contains(&point[t]));
+            let guards: Vec<bool> = points(larger).map(is_guard).collect();
+            let lower = low.iter().zip(guards).map(|(&v, guard)| if guard { -1 << 40 } else { v });
+            assert_eq!(volume(larger, &low), volume(larger, &lower.collect::<Vec<_>>()));
+        }
+    }
+
+    #[test]
+    fn a_finer_lattice_holds_the_same_surface() {
+        let mut chance = Chance::new(2);
+        for reach in [2, 3, 1 << 36].repeat(15) {
+            let dims = [4, 3, 5];
+            let samples = by_chance(dims, reach, &mut chance);
+            let expected = volume(dims, &samples);
+            assert!(expected.is_some(), "{samples:?}");
+            let (dims, samples) = refined(dims, &samples);
+            assert_eq!(volume(dims, &samples), expected);
+        }
+    }
+
+    #[test]
+    fn pieces_add_up_to_patches_less_arcs_and_points() {
+        let mut chance = Chance::new(3);
+        for reach in [3, 1 << 40].repeat(10) {
+            let dims = [5, 4, 6];
+            let samples = by_chance(dims, reach, &mut chance);
+            let inside = |point: [usize; 3]| samples[point[0] + 5 * (point[1] + 4 * point[2])] >= 0;
+            let mut euler = 0;
+            // Each cell, face and edge: the axes it extends along, from its lowest point.
+            for axes in 1..8 {
+                let extends = |axis: usize| axes >> axis & 1;
+                for low in points(std::array::from_fn(|axis| dims[axis] - extends(axis))) {
+                    let at = |k: usize| std::array::from_fn(|t| low[t] + (k >> t & 1));
+                    let corners: Vec<usize> = (0..8).filter(|k| k & !axes == 0).collect();
+                    let ends = |k: usize| (0..3).map(move |t| k ^ 1 << t);
+                    let signs: Vec<bool> = corners.iter().map(|&k| inside(at(k))).collect();
+                    let cuts = corners.iter().flat_map(|&k| ends(k).map(move |end| (k, end)));
+                    let cuts = cuts.filter(|&(k, end)| k < end && end & !axes == 0);
+                    let cuts = cuts.filter(|&(k, end)| inside(at(k)) != inside(at(end))).count();
+                    euler += match signs.len() {
+                        2 => cuts as i64,
+                        4 => -(cuts as i64) / 2,
+                        _ => {
+                            let value = |k: usize| {
+                                let [x, y, z] = at(k);
+                                samples[x + 5 * (y + 4 * z)]
+                            };
+                            let patches = cell(std::array::from_fn(value)).unwrap().patches;
+                            patches.iter().map(|patch| patch.euler).sum()
+                        }
+                    };
+                }
+            }
+            assert_eq!(volume(dims, &samples).unwrap().iter().sum::<i64>(), euler);
+        }
+    }
+
+    #[test]
+    fn a_closed_surface_has_pieces_of_even_characteristic() {
+        let mut chance = Chance::new(4);
+        let mut handles = 0;
+        for reach in [2, 3, 1000].repeat(7) {
+            let (dims, samples) = enclosed([7; 3], &by_chance([7; 3], reach, &mut chance));
+            let eulers = volume(dims, &samples).expect("it is decided");
+            assert!(eulers.iter().all(|euler| euler % 2 == 0 && *euler <= 2), "{eulers:?}");
+            handles += eulers.iter().map(|euler| 1 - euler / 2).sum::<i64>();
+        }
+        assert!(handles > 100, "{handles}");
+    }
+}
