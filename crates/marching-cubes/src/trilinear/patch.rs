@@ -155,3 +155,6 @@ fn strip(ring: &[u8], turn: Turn) -> impl Iterator<Item = Step> {
         Step { edge, waist: at, next }
     })
 }
+
+#[cfg(test)]
+mod tests;

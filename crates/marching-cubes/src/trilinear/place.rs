@@ -131,3 +131,6 @@ fn apart(p: f64, q: f64) -> [f64; 2] {
     let middle = low.midpoint(high).clamp(1.5 * CLEARANCE, 1.0 - 1.5 * CLEARANCE);
     [middle - 0.5 * CLEARANCE, middle + 0.5 * CLEARANCE]
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,7 +22,7 @@ fn first_of(code: u8, side: u8) -> u8 {
 }
 
 /// Every choice of faces of a code that join their inside, as a mask of faces.
-pub(super) fn choices(code: u8) -> impl Iterator<Item = u8> {
+pub(crate) fn choices(code: u8) -> impl Iterator<Item = u8> {
     let ambiguous = AMBIGUOUS[usize::from(code)];
     (0..64).filter(move |choice| choice & !ambiguous == 0)
 }
