@@ -4,7 +4,7 @@ use crate::{
     case::{CASES, CASES_TURNED},
     layout::Layout,
     planes::Planes,
-    trilinear::{SpecialWriter, Values},
+    trilinear::{Filling, SpecialWriter, Values},
     vertex::Placement,
 };
 use isokit_geom::Frame;
@@ -149,8 +149,8 @@ impl<T: Sample> Fill<'_, T> {
         // The last triangles of the slice are those of its special cells.
         let others = triangles.len() - cells.triangles as usize;
         let (mut triangles, special) = triangles.split_at_mut(others);
-        let mut special = (cells.len() > 0).then(|| SpecialWriter {
-            cells,
+        let mut special = (!cells.all().is_empty()).then(|| SpecialWriter {
+            cells: cells.all(),
             values: self.values,
             placement: &self.placement,
             winding: self.winding,
@@ -158,6 +158,7 @@ impl<T: Sample> Fill<'_, T> {
             next: first_inner,
             room: room.split_off(cells.vertices as usize),
             triangles: special,
+            filling: Filling::default(),
         });
         along_x_and_y.edges.begin(self.sample(z));
         along_z.edges.begin(self.sample(z));

@@ -14,7 +14,7 @@ use crate::{
     trilinear::{SpecialCells, Values},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{BLOCK, Word, count_rows, count_words, words_of_rows};
+use isokit_lanes::{Word, count_rows, count_words, open_words_of_rows, words_of_rows};
 use isokit_mesh::Counts;
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -208,7 +208,7 @@ fn count_slice(
     }
 }
 
-/// The same but for the special cells, which are found.
+/// The same without the triangles of special cells, which are found.
 fn count_with_special<T: Sample>(
     (planes, values): (&Planes, &Values<'_, T>),
     live: Option<&LiveCells>,
@@ -219,12 +219,15 @@ fn count_with_special<T: Sample>(
     if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
         return special;
     }
-    let rows_of_block = (BLOCK / planes.lattice.words).max(1);
-    for y in (0..slice.len()).step_by(rows_of_block) {
-        words(planes, live, y..slice.len().min(y + rows_of_block), z, scratch);
-        special.look_at(values, scratch, z);
-        count_words(scratch, &CASES.counts, slice);
+    count_slice(planes, live, z, slice, scratch);
+    let rows = 0..slice.len();
+    match live.is_some() || planes.visits.is_some() {
+        true => words(planes, live, rows, z, scratch),
+        false => open_words_of_rows(&planes.inside.slices(z), rows, scratch),
     }
+    special.look_at(values, (z, scratch), |row, case| {
+        slice[row].triangles -= u32::from(CASES.counts[usize::from(case)]);
+    });
     special.shrunk()
 }
 

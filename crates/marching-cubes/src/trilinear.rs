@@ -35,4 +35,4 @@ mod write;
 
 pub(crate) use cell::Values;
 pub(crate) use special::SpecialCells;
-pub(crate) use write::SpecialWriter;
+pub(crate) use write::{Filling, SpecialWriter};

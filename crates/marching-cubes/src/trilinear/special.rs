@@ -4,10 +4,8 @@ use super::{
     cell::{Cell, Values},
     patch::Patch,
 };
-use isokit_geom::cube::Face;
 use isokit_lanes::Word;
 use isokit_volume::Sample;
-use std::ops::Range;
 
 /// A cell that has other triangles than its case.
 #[derive(Clone, Copy, Debug)]
@@ -39,23 +37,23 @@ impl SpecialCells {
     /// What one of them takes in memory.
     pub(crate) const BYTES: usize = size_of::<Special>();
 
-    /// Adds the special cells of some words of slice `z`, which come row by row, and takes them out of the
-    /// words' crossed cells.
+    /// Adds the special cells of some words of slice `z`, which come row by row, and says of each to which
+    /// row it belongs and which case it has.
     pub(crate) fn look_at<T: Sample>(
         &mut self,
         values: &Values<'_, T>,
-        words: &mut [Word],
-        z: usize,
+        (z, words): (usize, &[Word]),
+        mut found: impl FnMut(usize, u8),
     ) {
         for word in words {
-            let mut rest = open(word);
+            let mut rest = word.open();
             while rest != 0 {
                 let n = rest.trailing_zeros();
                 rest &= rest - 1;
-                let x = word.first + n as usize;
-                let cell = values.cell(word.case(n), [x, word.row, z]);
+                let (x, case) = (word.first + n as usize, word.case(n));
+                let cell = values.cell(case, [x, word.row, z]);
                 if self.add(&cell, [x, word.row]) {
-                    word.active &= !(1 << n);
+                    found(word.row, case);
                 }
             }
         }
@@ -76,49 +74,21 @@ impl SpecialCells {
         true
     }
 
-    /// How many there are.
-    pub(crate) fn len(&self) -> usize {
-        self.cells.len()
-    }
-
     /// No more memory than is needed.
     pub(crate) fn shrunk(mut self) -> Self {
         self.cells.shrink_to_fit();
         self
     }
 
-    /// Those of some rows.
-    pub(super) fn of_rows(&self, rows: Range<usize>) -> &[Special] {
-        let first = |y: usize| self.cells.partition_point(|cell| (cell.y as usize) < y);
-        &self.cells[first(rows.start)..first(rows.end)]
+    /// All of them, row by row.
+    pub(crate) fn all(&self) -> &[Special] {
+        &self.cells
     }
-}
-
-/// The faces of a cell, as corners in cyclic order.
-const FACES: [[usize; 4]; 6] = {
-    let mut faces = [[0; 4]; 6];
-    let mut f = 0;
-    while f < 6 {
-        let [a, b, c, d] = Face::new(f as u8).corners();
-        faces[f] = [a.index(), b.index(), c.index(), d.index()];
-        f += 1;
-    }
-    faces
-};
-
-/// The crossed cells whose code is not simple: those with an ambiguous face, and those of which each two
-/// opposite corners have one sign.
-fn open(word: &Word) -> u64 {
-    let k = &word.corners;
-    let alternate = |[a, b, c, d]: [usize; 4]| (k[a] ^ k[b]) & (k[b] ^ k[c]) & (k[c] ^ k[d]);
-    let is_ambiguous = FACES.into_iter().fold(0, |any, face| any | alternate(face));
-    let is_even = (0..4).fold(u64::MAX, |all, n| all & !(k[n] ^ k[7 - n]));
-    (is_ambiguous | is_even) & word.active
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{SpecialCells, open};
+    use super::SpecialCells;
     use crate::trilinear::table::is_simple;
     use isokit_lanes::Word;
 
@@ -130,7 +100,7 @@ mod tests {
             let active = !u64::from(block == 0) & !(u64::from(block == 3) << 63);
             let word = Word { corners: std::array::from_fn(corner), active, ..Word::default() };
             for n in 0..64 {
-                let is_open = open(&word) >> n & 1 == 1;
+                let is_open = word.open() >> n & 1 == 1;
                 let crossed = active >> n & 1 == 1;
                 assert_eq!(is_open, crossed && !is_simple(code(n)), "{:08b}", code(n));
             }

@@ -4,7 +4,7 @@ use super::{
     cell::{Cell, Values},
     patch::{Patch, WAIST},
     place::{Interpolant, centre, waist},
-    special::{Special, SpecialCells},
+    special::Special,
     table::CENTRE,
 };
 use crate::{
@@ -17,7 +17,8 @@ use isokit_volume::Sample;
 
 /// The special cells of a slice on their way into the output.
 pub(crate) struct SpecialWriter<'a, T, C> {
-    pub(crate) cells: &'a SpecialCells,
+    /// Those that are left.
+    pub(crate) cells: &'a [Special],
     pub(crate) values: Values<'a, T>,
     pub(crate) placement: &'a Placement<'a, T>,
     pub(crate) winding: Winding,
@@ -28,10 +29,13 @@ pub(crate) struct SpecialWriter<'a, T, C> {
     /// The part of the output that is still to be written.
     pub(crate) room: Room<'a, C>,
     pub(crate) triangles: &'a mut [[u32; 3]],
+    /// Memory that every cell uses again.
+    pub(crate) filling: Filling,
 }
 
 /// A special cell in the making.
-struct Filling {
+#[derive(Debug, Default)]
+pub(crate) struct Filling {
     triangles: Vec<[u8; 3]>,
     inner: [[f64; 3]; WAIST],
     /// Where the edges are crossed, where anybody asks.
@@ -42,13 +46,9 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
     /// Writes those of some rows, and takes them out of the rows' words. `first` gives the first vertices of
     /// a row.
     pub(crate) fn rows(&mut self, words: &mut [Word], first: impl Fn(usize) -> FirstVertices) {
-        let [Some(start), Some(end)] = [words.first(), words.last()] else { return };
-        let mut rest = self.cells.of_rows(start.row..end.row + 1);
-        let mut filling =
-            Filling { triangles: vec![], inner: [[0.0; 3]; WAIST], crossings: [[0.0; 3]; 12] };
         for row in words.chunk_by_mut(|a, b| a.row == b.row) {
             let y = row[0].row as u32;
-            let mut next = match rest.first() {
+            let mut next = match self.cells.first() {
                 Some(cell) if cell.y == y => first(row[0].row),
                 Some(_) => continue,
                 None => return,
@@ -57,36 +57,38 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
                 let own = |cell: &Special| {
                     cell.y == y && (cell.x as usize) < word.first + u64::BITS as usize
                 };
-                let (now, later) = rest.split_at(rest.partition_point(own));
-                rest = later;
+                let (now, later) = self.cells.split_at(self.cells.partition_point(own));
+                self.cells = later;
                 for special in now {
                     let n = special.x - word.first as u32;
                     word.active &= !(1 << n);
-                    self.cell(special, word.case(n), &next.ids(word, n), &mut filling);
+                    self.cell(special, word.case(n), &next.ids(word, n));
                 }
                 next.pass(word);
             }
         }
     }
 
-    fn cell(&mut self, special: &Special, code: u8, ids: &[u32; 16], filling: &mut Filling) {
+    fn cell(&mut self, special: &Special, code: u8, ids: &[u32; 16]) {
         let low = [special.x as usize, special.y as usize, self.z];
         let cell = self.values.cell(code, low);
         let patch = Patch::new(&cell, special.joined, special.tunnel);
         let count = patch.vertices();
-        filling.triangles.clear();
-        patch.discs().for_each(|disc| filling.triangles.extend(disc.triangles));
+        let triangles = &mut self.filling.triangles;
+        triangles.clear();
+        patch.discs().for_each(|disc| triangles.extend(disc.triangles));
         let samples = low.map(|i| self.values.sample(i));
         if count > 0 {
-            self.inner(&cell, &patch, (special.tunnel, samples), filling);
+            self.inner(&cell, &patch, (special.tunnel, samples));
         }
         let first = self.next;
         let number = |name: u8| match name.checked_sub(CENTRE) {
             Some(inner) => first + u32::from(inner),
             None => ids[usize::from(name)],
         };
-        let out = split_off(&mut self.triangles, filling.triangles.len());
-        for (out, triangle) in out.iter_mut().zip(&filling.triangles) {
+        let triangles = &self.filling.triangles;
+        let out = split_off(&mut self.triangles, triangles.len());
+        for (out, triangle) in out.iter_mut().zip(triangles) {
             let [a, b, c] = triangle.map(number);
             *out = if self.winding == Winding::Kept { [a, b, c] } else { [a, c, b] };
         }
@@ -94,13 +96,8 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
     }
 
     /// The interior vertices of a cell, and the triangles of its tube.
-    fn inner(
-        &mut self,
-        cell: &Cell,
-        patch: &Patch,
-        (tunnel, low): (Option<[u8; 2]>, [u32; 3]),
-        filling: &mut Filling,
-    ) {
+    fn inner(&mut self, cell: &Cell, patch: &Patch, (tunnel, low): (Option<[u8; 2]>, [u32; 3])) {
+        let filling = &mut self.filling;
         for edge in Edge::all() {
             let (corner, axis) = (edge.ends()[0].offset(), edge.axis());
             let start = std::array::from_fn(|k| low[k].wrapping_add(corner[k] as u32));
