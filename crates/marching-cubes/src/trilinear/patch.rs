@@ -6,10 +6,7 @@
 //! A; a tree has no such ring of four, so B and D are the same. The two loops of the tube are those
 //! between A and that region, and between it and C.
 
-use super::{
-    cell::Cell,
-    table::{CENTRE, Disc},
-};
+use super::table::{CENTRE, Disc, resolved};
 use isokit_geom::cube::Edge;
 
 /// Vertices of the ring that a tube has around its waist.
@@ -24,9 +21,9 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// For the faces that are joined, and two corners that the interior joins.
-    pub(super) fn new(cell: &Cell, joined: u8, tunnel: Option<[u8; 2]>) -> Self {
-        let row = cell.resolved(joined);
+    /// For a code that is not simple, the faces that are joined, and two corners that the interior joins.
+    pub(super) fn new(code: u8, joined: u8, tunnel: Option<[u8; 2]>) -> Self {
+        let row = resolved(code, joined);
         let beside = |disc: &Disc| {
             let ends = Edge::new(disc.ring[0]).ends();
             ends.map(|corner| row.regions[corner.index()])

@@ -66,7 +66,7 @@ impl SpecialCells {
         if verdict.is_plain() {
             return false;
         }
-        let patch = Patch::new(cell, verdict.joined, verdict.tunnel);
+        let patch = Patch::new(cell.code, verdict.joined, verdict.tunnel);
         self.vertices += patch.vertices() as u64;
         self.triangles += patch.triangles() as u64;
         let (joined, tunnel) = (verdict.joined, verdict.tunnel);

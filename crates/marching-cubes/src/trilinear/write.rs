@@ -71,14 +71,13 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
 
     fn cell(&mut self, special: &Special, code: u8, ids: &[u32; 16]) {
         let low = [special.x as usize, special.y as usize, self.z];
-        let cell = self.values.cell(code, low);
-        let patch = Patch::new(&cell, special.joined, special.tunnel);
+        let patch = Patch::new(code, special.joined, special.tunnel);
         let count = patch.vertices();
         let triangles = &mut self.filling.triangles;
         triangles.clear();
         patch.discs().for_each(|disc| triangles.extend(disc.triangles));
-        let samples = low.map(|i| self.values.sample(i));
         if count > 0 {
+            let (cell, samples) = (self.values.cell(code, low), low.map(|i| self.values.sample(i)));
             self.inner(&cell, &patch, (special.tunnel, samples));
         }
         let first = self.next;

@@ -1,27 +1,20 @@
 //! What fills a cell, for every code, every choice of its faces and every tunnel that there could be.
 
 use super::{Patch, WAIST};
-use crate::trilinear::{
-    cell::Cell,
-    table::{
-        CENTRE,
-        derive::{choices, codes},
-    },
+use crate::trilinear::table::{
+    CENTRE,
+    derive::{choices, codes},
+    resolved,
 };
 use isokit_geom::cube::{Corner, Edge, Face};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A cell with a code and no values; the patch does not ask for them.
-fn cell(code: u8) -> Cell {
-    Cell { code, known: u8::MAX, values: [0.0; 8] }
-}
-
 /// Every code that is not simple, with every choice of faces, without a tunnel and with each that joins
 /// two regions beside a third.
-fn all() -> impl Iterator<Item = (Cell, u8, Option<[u8; 2]>)> {
-    codes().flat_map(|code| choices(code).map(move |joined| (cell(code), joined))).flat_map(
-        |(cell, joined)| {
-            let row = cell.resolved(joined);
+fn all() -> impl Iterator<Item = (u8, u8, Option<[u8; 2]>)> {
+    codes().flat_map(|code| choices(code).map(move |joined| (code, joined))).flat_map(
+        |(code, joined)| {
+            let row = resolved(code, joined);
             let mut beside: BTreeMap<u8, BTreeSet<u8>> = BTreeMap::new();
             for disc in row.discs {
                 let [a, b] = Edge::new(disc.ring[0]).ends().map(|k| row.regions[k.index()]);
@@ -36,7 +29,7 @@ fn all() -> impl Iterator<Item = (Cell, u8, Option<[u8; 2]>)> {
                     }
                 }
             }
-            tunnels.into_iter().map(move |tunnel| (cell, joined, tunnel))
+            tunnels.into_iter().map(move |tunnel| (code, joined, tunnel))
         },
     )
 }
@@ -87,10 +80,10 @@ fn pieces(triangles: &[[u8; 3]]) -> Vec<(usize, i32)> {
 
 #[test]
 fn every_patch_has_the_counts_that_it_says() {
-    for (cell, joined, tunnel) in all() {
-        let patch = Patch::new(&cell, joined, tunnel);
+    for (code, joined, tunnel) in all() {
+        let patch = Patch::new(code, joined, tunnel);
         let triangles = triangles(&patch, 1);
-        assert_eq!(triangles.len(), patch.triangles(), "{cell:?}, {joined:06b}, {tunnel:?}");
+        assert_eq!(triangles.len(), patch.triangles(), "{code:08b}, {joined:06b}, {tunnel:?}");
         let inner: BTreeSet<_> =
             triangles.as_flattened().iter().filter(|&&v| v >= CENTRE).collect();
         assert_eq!(inner.len(), patch.vertices());
@@ -104,17 +97,17 @@ fn every_patch_has_the_counts_that_it_says() {
 /// As many tubes as there are loops and one, less the regions that are left.
 #[test]
 fn discs_have_one_loop_each_and_a_tube_has_two() {
-    for (cell, joined, tunnel) in all() {
-        let loops = cell.resolved(joined).discs.len();
-        let mut regions = BTreeSet::from(cell.resolved(joined).regions);
+    for (code, joined, tunnel) in all() {
+        let loops = resolved(code, joined).discs.len();
+        let mut regions = BTreeSet::from(resolved(code, joined).regions);
         if let Some([_, c]) = tunnel {
             regions.remove(&c);
         }
         for seed in 0..3 {
-            let found = pieces(&triangles(&Patch::new(&cell, joined, tunnel), seed));
+            let found = pieces(&triangles(&Patch::new(code, joined, tunnel), seed));
             let count = |piece| found.iter().filter(|&&one| one == piece).count();
             let tubes = count((2, 0));
-            assert_eq!(tubes, loops + 1 - regions.len(), "{cell:?}, {joined:06b}, {tunnel:?}");
+            assert_eq!(tubes, loops + 1 - regions.len(), "{code:08b}, {joined:06b}, {tunnel:?}");
             assert_eq!((found.len(), count((1, 1))), (loops - tubes, loops - 2 * tubes));
         }
     }
@@ -122,31 +115,31 @@ fn discs_have_one_loop_each_and_a_tube_has_two() {
 
 #[test]
 fn no_side_is_used_twice_the_same_way_and_the_rim_is_the_loops() {
-    for (cell, joined, tunnel) in all() {
-        let triangles = triangles(&Patch::new(&cell, joined, tunnel), 5);
+    for (code, joined, tunnel) in all() {
+        let triangles = triangles(&Patch::new(code, joined, tunnel), 5);
         let all: Vec<_> = triangles.iter().copied().flat_map(sides).collect();
         let each: BTreeSet<_> = all.iter().copied().collect();
-        assert_eq!(each.len(), all.len(), "{cell:?}, {joined:06b}, {tunnel:?}");
+        assert_eq!(each.len(), all.len(), "{code:08b}, {joined:06b}, {tunnel:?}");
         let rim = each.iter().copied().filter(|&[p, q]| !each.contains(&[q, p]));
-        let rings = cell.resolved(joined).discs.iter().map(|disc| disc.ring);
+        let rings = resolved(code, joined).discs.iter().map(|disc| disc.ring);
         let sides = rings
             .flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)).map(|(&p, &q)| [p, q]));
-        assert_eq!(rim.collect::<BTreeSet<_>>(), sides.collect(), "{cell:?}, {joined:06b}");
+        assert_eq!(rim.collect::<BTreeSet<_>>(), sides.collect(), "{code:08b}, {joined:06b}");
     }
 }
 
 /// Around every vertex the triangles are one fan, open on an edge and closed in the interior.
 #[test]
 fn every_vertex_has_one_fan() {
-    for (cell, joined, tunnel) in all() {
-        let triangles = triangles(&Patch::new(&cell, joined, tunnel), 9);
+    for (code, joined, tunnel) in all() {
+        let triangles = triangles(&Patch::new(code, joined, tunnel), 9);
         for &vertex in triangles.as_flattened() {
             let turned = triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]]);
             let next: BTreeMap<u8, u8> =
                 turned.filter(|t| t[0] == vertex).map(|[_, from, to]| (from, to)).collect();
             let reached: BTreeSet<u8> = next.values().copied().collect();
             let first = next.keys().find(|from| !reached.contains(from));
-            assert_eq!(first.is_none(), vertex >= CENTRE, "{cell:?}, {joined:06b}, {tunnel:?}");
+            assert_eq!(first.is_none(), vertex >= CENTRE, "{code:08b}, {joined:06b}, {tunnel:?}");
             let start = *first.or(next.keys().next()).unwrap();
             let (mut at, mut steps) = (start, 0);
             while let Some(&to) = next.get(&at).filter(|_| steps < next.len()) {
@@ -155,39 +148,39 @@ fn every_vertex_has_one_fan() {
                     break;
                 }
             }
-            assert_eq!(steps, next.len(), "{cell:?}, {joined:06b}, {tunnel:?}");
+            assert_eq!(steps, next.len(), "{code:08b}, {joined:06b}, {tunnel:?}");
         }
     }
 }
 
 #[test]
 fn no_inner_side_of_a_tube_lies_in_a_face() {
-    for (cell, joined, tunnel) in all() {
-        let triangles = triangles(&Patch::new(&cell, joined, tunnel), 13);
+    for (code, joined, tunnel) in all() {
+        let triangles = triangles(&Patch::new(code, joined, tunnel), 13);
         let each: BTreeSet<_> = triangles.iter().copied().flat_map(sides).collect();
         for [p, q] in each.iter().filter(|&&[p, q]| each.contains(&[q, p])) {
             let is_flat = |face: Face| {
                 [p, q].iter().all(|&&name| name < CENTRE && face.contains(Edge::new(name)))
             };
-            assert!(!Face::all().any(is_flat), "{cell:?}, {joined:06b}, {tunnel:?}: {p} to {q}");
+            assert!(!Face::all().any(is_flat), "{code:08b}, {joined:06b}, {tunnel:?}: {p} to {q}");
         }
     }
 }
 
 #[test]
 fn the_loops_of_a_tube_lie_between_what_it_joins_and_one_other_region() {
-    for (cell, joined, tunnel) in all() {
-        let patch = Patch::new(&cell, joined, tunnel);
+    for (code, joined, tunnel) in all() {
+        let patch = Patch::new(code, joined, tunnel);
         let (Some(rings), Some(joins)) = (patch.tube(), tunnel) else { continue };
-        let regions = cell.resolved(joined).regions;
+        let regions = resolved(code, joined).regions;
         let mut others = BTreeSet::new();
         for (ring, own) in rings.into_iter().zip(joins) {
             let ends = ring.iter().map(|&edge| Edge::new(edge).ends().map(Corner::index));
             for [a, b] in ends.map(|ends| ends.map(|k| regions[k])) {
-                assert!(a == own || b == own, "{cell:?}, {joined:06b}, {tunnel:?}");
+                assert!(a == own || b == own, "{code:08b}, {joined:06b}, {tunnel:?}");
                 others.insert(if a == own { b } else { a });
             }
         }
-        assert_eq!(others.len(), 1, "{cell:?}, {joined:06b}, {tunnel:?}");
+        assert_eq!(others.len(), 1, "{code:08b}, {joined:06b}, {tunnel:?}");
     }
 }
