@@ -3,7 +3,7 @@
 use isokit::{
     geom::{Affine, Frame},
     job::{Job, Threads},
-    marching_cubes::{Boundary, ExtractOptions, Nan, extract, extract_into},
+    marching_cubes::{Boundary, ExtractOptions, Nan, Topology, extract, extract_into},
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
@@ -28,9 +28,14 @@ fn volume(dims: [u64; 3]) -> Volume<f32> {
     Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
 }
 
-fn options() -> [ExtractOptions; 3] {
+fn options() -> [ExtractOptions; 4] {
     let default = ExtractOptions::DEFAULT;
-    [default.clone(), default.clone().with_boundary(Boundary::Open), default.with_nan(Nan::Mask)]
+    [
+        default.clone(),
+        default.clone().with_boundary(Boundary::Open),
+        default.clone().with_nan(Nan::Mask),
+        default.with_topology(Topology::Trilinear),
+    ]
 }
 
 /// All bits of a mesh. (Two meshes are equal where 0 and −0 differ; their files are not.)

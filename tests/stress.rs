@@ -6,13 +6,13 @@
 use isokit::{
     geom::{Affine, Frame},
     job::{Job, Limits},
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, extract},
+    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, Topology, extract},
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
 use isokit_tests::{
     chance::Chance,
-    check::assert_closed,
+    check::{Census, assert_closed},
     fields::{self, Field},
     oracle::assert_as_defined,
     reference::Surface,
@@ -36,6 +36,11 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64) -> Surface {
     let surfaces = options().into_iter().map(|options| {
         let (_, surface) = assert_as_defined(&volume.view(), iso, &options);
         assert!(options.boundary == Boundary::Open || surface.boundary_sides == 0);
+        let trilinear = options.clone().with_topology(Topology::Trilinear);
+        let census = Census::of(&mesh(volume, iso, &trilinear));
+        assert_eq!(census.faults_of_topology(), 0, "{trilinear:?}: {census:?}");
+        assert!(options.degenerate == Degenerate::Exact || census.faults() == 0, "{census:?}");
+        assert!(options.boundary == Boundary::Open || census.boundary_sides == 0, "{census:?}");
         surface
     });
     surfaces.collect::<Vec<_>>()[0]

@@ -3,7 +3,7 @@
 use isokit::{
     geom::Frame,
     job::Job,
-    marching_cubes::{Degenerate, ExtractOptions, extract},
+    marching_cubes::{Degenerate, ExtractOptions, Topology, extract},
     mesh::Positions,
     volume::{Grid, Volume},
 };
@@ -28,9 +28,12 @@ fn a_thousand_volumes_full_of_ties_are_closed_and_have_no_flat_triangle() {
         let volume = volume(seed);
         let ties = volume.samples().iter().filter(|&&sample| sample == 0).count();
         assert!(ties > 15, "chance without ties shows nothing");
-        let mesh = extract(&volume.view(), 0.0, &ExtractOptions::DEFAULT, &Job::default()).unwrap();
-        assert!(matches!(mesh.positions, Positions::F32(_)), "what files hold");
-        assert!(assert_closed(&mesh).volume > 0.0, "seed {seed}");
+        for topology in [Topology::Table, Topology::Trilinear] {
+            let options = ExtractOptions::DEFAULT.with_topology(topology);
+            let mesh = extract(&volume.view(), 0.0, &options, &Job::default()).unwrap();
+            assert!(matches!(mesh.positions, Positions::F32(_)), "what files hold");
+            assert!(assert_closed(&mesh).volume > 0.0, "seed {seed}");
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use isokit::{
     io::Format,
-    marching_cubes::{Boundary, Degenerate, Nan},
+    marching_cubes::{Boundary, Degenerate, Nan, Topology},
     pipeline::{Normals, TargetSpace},
 };
 
@@ -29,6 +29,8 @@ pub(crate) enum TopologyArg {
     /// One fixed answer per case: always closed; may separate what the field joins
     #[default]
     Table,
+    /// What the trilinear interpolant of a cell's samples connects, decided without rounding: always closed
+    Trilinear,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -96,6 +98,15 @@ impl From<BoundaryArg> for Boundary {
         match arg {
             BoundaryArg::Closed => Self::Closed,
             BoundaryArg::Open => Self::Open,
+        }
+    }
+}
+
+impl From<TopologyArg> for Topology {
+    fn from(arg: TopologyArg) -> Self {
+        match arg {
+            TopologyArg::Table => Self::Table,
+            TopologyArg::Trilinear => Self::Trilinear,
         }
     }
 }

@@ -32,7 +32,7 @@ pub(crate) struct ExtractArgs {
     /// What lies beyond the border of the volume
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) boundary: BoundaryArg,
-    /// Which surface a cell gets when its corners allow several
+    /// What is connected in a cell whose corners leave it open
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) topology: TopologyArg,
     /// Where between two samples a vertex lies

@@ -15,7 +15,7 @@ use isokit::{
     io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
     job::Job,
     lanes::return_freed_memory,
-    marching_cubes::Skipped,
+    marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
     pipeline::{Index, IsoChoice, PipelineError, Scan},
 };
@@ -50,10 +50,11 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         index(&mut scan, &mut timings, session)?;
     }
     let isos = isos(&plan.levels, |choice, job| scan.iso(choice, job), session)?;
-    let (meshes, skipped) = meshes(plan, &scan, &isos, &mut timings, session)?;
+    let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
     let surfaces = surfaces(&plan.levels, &isos, meshes);
-    for surface in &surfaces {
+    for (surface, extracted) in surfaces.iter().zip(&extracted) {
         tell(plan, &scan, surface, session)?;
+        tell_singular(extracted, &surface.name, session);
     }
     let written = timed(&mut timings.write, || write(plan, &scan, &surfaces, session))?;
     timings.total = start.elapsed().as_secs_f64();
@@ -61,7 +62,7 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     if plan.report.is_none() && !session.console.is_verbose() {
         return Ok(String::new());
     }
-    report(plan, &scan, &surfaces, &written, (skipped, timings), session)
+    report(plan, &scan, &surfaces, &written, (&extracted, timings), session)
 }
 
 /// Says where the mesh went, what is to be known about that, and how long steps took.
@@ -104,14 +105,22 @@ pub(super) fn isos(
     levels.iter().map(iso).collect()
 }
 
-/// A mesh for each isovalue, made as often as was asked for, and what was skipped each time.
+/// Says in how many cells the field itself touches.
+pub(super) fn tell_singular(extracted: &Extracted, name: &str, session: &Session<'_, '_>) {
+    if extracted.singular_cells > 0 {
+        let cells = counted(extracted.singular_cells, "cell", "cells");
+        session.console.detail(&format!("{name}: a saddle is exactly on the isovalue in {cells}"));
+    }
+}
+
+/// A mesh for each isovalue, made as often as was asked for, and what can be said of each.
 fn meshes(
     plan: &ExtractPlan,
     scan: &Scan,
     isos: &[f64],
     timings: &mut Timings,
     session: &Session<'_, '_>,
-) -> Result<(Vec<TriMesh>, Skipped)> {
+) -> Result<(Vec<TriMesh>, Vec<Extracted>)> {
     let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &plan.surface, meshes, &session.job);
     let fresh = || vec![TriMesh::default(); isos.len()];
     let (runs, is_warm) = match plan.repeat {
@@ -119,7 +128,7 @@ fn meshes(
         Repeat::Cold(runs) => (runs.get(), false),
         Repeat::Warm(runs) => (runs.get(), true),
     };
-    let (mut meshes, mut all, mut skipped) = (fresh(), vec![], Skipped::default());
+    let (mut meshes, mut all, mut extracted) = (fresh(), vec![], vec![]);
     if is_warm {
         make(&mut meshes)?;
     }
@@ -129,12 +138,12 @@ fn meshes(
             return_freed_memory(); // what the last run took goes back before the clock starts
         }
         let mut seconds = 0.0;
-        skipped = timed(&mut seconds, || make(&mut meshes))?;
+        extracted = timed(&mut seconds, || make(&mut meshes))?;
         all.push(seconds);
     }
     timings.extract = median(&all);
     timings.extract_all = (plan.repeat != Repeat::Once).then_some(all);
-    Ok((meshes, skipped))
+    Ok((meshes, extracted))
 }
 
 /// The meshes with what files say of them.
@@ -192,16 +201,17 @@ fn report(
     scan: &Scan,
     surfaces: &[Surface],
     written: &Written,
-    (skipped, timings_s): (Skipped, Timings),
+    (extracted, timings_s): (&[Extracted], Timings),
     session: &Session<'_, '_>,
 ) -> Result<String> {
     let peak_rss_bytes = peak_rss_bytes(); // of the work, not of the report
     let mut of_surfaces = vec![];
-    for surface in surfaces {
+    for (surface, extracted) in surfaces.iter().zip(extracted) {
         let found = topology(&surface.mesh, &session.job)?;
         let counts = sentence(&MeshCounts::of(&found));
         session.console.detail(&format!("{}: {counts}", surface.name));
-        of_surfaces.push(SurfaceReport::of(surface, &found));
+        let singular_cells = Some(extracted.singular_cells);
+        of_surfaces.push(SurfaceReport { singular_cells, ..SurfaceReport::of(surface, &found) });
     }
     let report = ExtractReport {
         schema: EXTRACT_SCHEMA,
@@ -211,7 +221,7 @@ fn report(
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,
-        skipped: skipped.into(),
+        skipped: extracted.first().map_or(Skipped::default(), |one| one.skipped).into(),
         timings_s,
         threads: session.job.threads.count(),
         simd: simd(),

@@ -1,6 +1,6 @@
 //! `extract --max-memory`: from a volume to a mesh, a few slices at a time.
 
-use super::extract::{isos, surface_name};
+use super::extract::{isos, surface_name, tell_singular};
 use crate::{
     Session,
     fault::CallerError,
@@ -59,6 +59,7 @@ pub(super) fn extract(
     })?;
     for (head, extracted) in heads.iter().zip(&found) {
         tell(plan, &scan, (head, extracted), session)?;
+        tell_singular(extracted, &head.name, session);
     }
     let written = timed(&mut timings.write, || spool.finish())?;
     timings.total = start.elapsed().as_secs_f64();
@@ -66,7 +67,7 @@ pub(super) fn extract(
     if !is_told {
         return Ok(String::new());
     }
-    report(plan, &scan, (&heads, &gauges), &written, timings, session)
+    report(plan, &scan, (&heads, &found, &gauges), &written, timings, session)
 }
 
 /// Makes the surfaces; what they are is found out where it is told.
@@ -148,25 +149,27 @@ fn tell(
 fn report(
     plan: &ExtractPlan,
     scan: &SlabScan,
-    (heads, gauges): (&[SurfaceHead], &[Gauge]),
+    (heads, found, gauges): (&[SurfaceHead], &[Extracted], &[Gauge]),
     written: &Written,
     timings_s: Timings,
     session: &Session<'_, '_>,
 ) -> Result<String> {
-    let of_surface = |(head, gauge): (&SurfaceHead, &Gauge)| SurfaceReport {
-        name: head.name.clone(),
-        iso: head.iso,
-        color: head.color.map(|color| color.to_string()),
-        counts: SlabCounts::of(gauge),
-        shortfalls: None,
-    };
+    let of_surface =
+        |((head, extracted), gauge): ((&SurfaceHead, &Extracted), &Gauge)| SurfaceReport {
+            name: head.name.clone(),
+            iso: head.iso,
+            color: head.color.map(|color| color.to_string()),
+            singular_cells: Some(extracted.singular_cells),
+            counts: SlabCounts::of(gauge),
+            shortfalls: None,
+        };
     let statistics = scan.statistics(&session.job)?;
     let samples_read = scan.part().iter().map(|range| range.len() as u64).product();
     let report = ExtractReport {
         schema: EXTRACT_SCHEMA,
         command: &session.command,
         input: VolumeFacts::of_slabs(&plan.input, scan, &statistics),
-        surfaces: heads.iter().zip(gauges).map(of_surface).collect(),
+        surfaces: heads.iter().zip(found).zip(gauges).map(of_surface).collect(),
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,

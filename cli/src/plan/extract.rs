@@ -2,7 +2,7 @@
 
 use super::{MeshTarget, Stream, TextTarget, palette};
 use crate::{
-    args::{ExtractArgs, LevelArg, PlacementArg, TopologyArg},
+    args::{ExtractArgs, LevelArg, PlacementArg},
     fault::UsageError,
 };
 use anyhow::Result;
@@ -58,10 +58,11 @@ impl ExtractPlan {
             let says = "mesh and report cannot both go to stdout: name a file for one of them";
             return Err(UsageError(says.into()).into());
         }
-        // One answer each, so far: a new one must be handed on here.
-        let (TopologyArg::Table, PlacementArg::Linear) = (args.topology, args.placement);
+        // One answer, so far: a new one must be handed on here.
+        let PlacementArg::Linear = args.placement;
         let extract = ExtractOptions::DEFAULT
             .with_boundary(args.boundary.into())
+            .with_topology(args.topology.into())
             .with_degenerate(args.degenerate.into())
             .with_nan(args.nan.into());
         let surface =

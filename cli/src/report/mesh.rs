@@ -74,6 +74,9 @@ pub(crate) struct SurfaceReport<C = MeshCounts> {
     pub(crate) iso: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) color: Option<String>,
+    /// Cells in which a saddle is exactly on the isovalue; where the surface was extracted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) singular_cells: Option<u64>,
     #[serde(flatten)]
     pub(crate) counts: C,
     /// What it lacks to be a surface that every program takes, in words; where that was asked.
@@ -173,6 +176,7 @@ impl SurfaceReport {
             name: surface.name.clone(),
             iso: surface.iso,
             color: surface.color.map(|color| color.to_string()),
+            singular_cells: None,
             counts: MeshCounts::of(topology),
             shortfalls: None,
         }

@@ -188,6 +188,23 @@ fn a_sample_on_the_isovalue_gives_bad_triangles_only_where_exactness_was_asked_f
     assert_eq!(folder.topology("exact.ply").degenerate_triangles, 8);
 }
 
+/// Two far corners of a cell are joined by its middle, so says the trilinear field, and the table not.
+#[test]
+fn what_the_field_joins_is_joined_where_that_was_asked_for() {
+    let folder = Folder::new();
+    let far = |ijk: [usize; 3]| match ijk {
+        [5, 5, 5] | [6, 6, 6] => 4.0,
+        _ if ijk.iter().all(|c| (5..7).contains(c)) => -1.0,
+        _ => -9.0,
+    };
+    folder.volume("far.nii", Space::Ras, far);
+    for (topology, components) in [("table", 2), ("trilinear", 1)] {
+        folder.done(&format!("extract far.nii --iso 0 --topology {topology} -o a.ply"));
+        assert_sound(&folder.topology("a.ply"));
+        assert_eq!(folder.topology("a.ply").components.len(), components, "{topology}");
+    }
+}
+
 #[test]
 fn a_reflecting_frame_keeps_the_outside_outside() {
     let folder = Folder::new();

@@ -32,6 +32,7 @@ fn every_key_that_was_promised_is_there() {
     assert_keys(&report["surfaces"][0], &keys);
     let keys = ["nonmanifold_edges", "degenerate_triangles", "area", "volume", "bounds"];
     assert_keys(&report["surfaces"][0], &keys);
+    assert_keys(&report["surfaces"][0], &["singular_cells"]);
     assert_keys(&report["skipped"], &["bricks", "bricks_skipped", "samples_read"]);
     assert_keys(&report["timings_s"], &["read", "index", "extract", "mend", "write", "total"]);
 }

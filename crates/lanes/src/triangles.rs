@@ -104,7 +104,7 @@ impl FirstVertices {
     /// The vertices on the twelve edges of a cell, and four zeros. An edge that is not cut has a number
     /// of no meaning.
     #[inline(always)]
-    fn ids(&self, word: &Word, cell: u32) -> [u32; 16] {
+    pub fn ids(&self, word: &Word, cell: u32) -> [u32; 16] {
         let before = (1_u64 << cell) - 1;
         let at = |first: u32, cuts: u64| first.wrapping_add((cuts & before).count_ones());
         let pair = |first: u32, cuts: u64| {
@@ -118,9 +118,9 @@ impl FirstVertices {
         [x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, 0, 0, 0, 0]
     }
 
-    /// Leaves a word behind.
+    /// Leaves a word behind: from now on the numbers are those of the first vertices after it.
     #[inline(always)]
-    fn pass(&mut self, word: &Word) {
+    pub fn pass(&mut self, word: &Word) {
         let advance = |next: &mut [u32], cuts: &[u64]| {
             for (next, cuts) in next.iter_mut().zip(cuts) {
                 *next = next.wrapping_add(cuts.count_ones());

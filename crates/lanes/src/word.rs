@@ -31,6 +31,19 @@ pub struct Word {
 /// Which of a word's lists of cut edges along x, y and z belong to the row itself.
 pub(crate) const OWN: [usize; 3] = [0, 4, 6];
 
+/// The corners of each face of a cell, in cyclic order.
+const FACES: [[usize; 4]; 6] = {
+    let mut faces = [[0; 4]; 6];
+    let mut f = 0;
+    while f < 6 {
+        let (t, low) = (f / 2, (f % 2) << (f / 2));
+        let (u, v) = (1 << ((t + 1) % 3), 1 << ((t + 2) % 3));
+        faces[f] = [low, low | u, low | u | v, low | v];
+        f += 1;
+    }
+    faces
+};
+
 impl Word {
     /// Word `w` of a row of cells. `cells` has a bit for each cell of the word.
     #[inline(always)]
@@ -61,6 +74,17 @@ impl Word {
     #[inline(always)]
     pub fn case(&self, i: u32) -> u8 {
         (0..8).fold(0, |case, k| case | ((self.corners[k] >> i & 1) as u8) << k)
+    }
+
+    /// The crossed cells whose signs leave open what is connected: those with a face whose corners
+    /// alternate, and those whose opposite corners have one sign each.
+    #[inline(always)]
+    pub fn open(&self) -> u64 {
+        let k = &self.corners;
+        let alternate = |[a, b, c, d]: [usize; 4]| (k[a] ^ k[b]) & (k[b] ^ k[c]) & (k[c] ^ k[d]);
+        let is_ambiguous = FACES.into_iter().fold(0, |any, face| any | alternate(face));
+        let is_uneven = (0..4).fold(0, |any, n| any | (k[n] ^ k[7 - n]));
+        (is_ambiguous | !is_uneven) & self.active
     }
 
     /// Whether no cell is crossed and no edge that the row owns is cut.
@@ -196,6 +220,38 @@ pub(crate) fn words_of_rows_at(
             unsafe { wide::words_of_rows(bits, rows, out) }
         }
         _ => bits.each_word(rows, |word| out.push(*word)),
+    }
+}
+
+/// The words of some rows that hold an [open](Word::open) cell, row by row, into `out`.
+///
+/// # Panics
+///
+/// If there are no such rows.
+pub fn open_words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
+    open_words_of_rows_at(Level::current(), bits, rows, out);
+}
+
+fn open_words_of_rows_at(
+    level: Level,
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    out: &mut Vec<Word>,
+) {
+    assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
+    out.clear();
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => {
+            level.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            unsafe { wide::open_words_of_rows(bits, rows, out) }
+        }
+        _ => bits.each_word(rows, |word| {
+            if word.open() != 0 {
+                out.push(*word);
+            }
+        }),
     }
 }
 

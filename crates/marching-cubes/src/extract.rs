@@ -1,11 +1,12 @@
 //! The entries: volume, value, options, sink; or several values with a sink each.
 
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Skipped, Source,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Skipped, Source, Topology,
     fill::{Fill, Winding},
     layout::{Layout, check_size},
     planes::{Lattice, Planes},
     tally::{Tally, Whole},
+    trilinear::Values,
     vertex::Placement,
 };
 use isokit_job::Job;
@@ -24,6 +25,10 @@ pub struct Extracted {
     /// The least distance that a vertex keeps from the samples at both ends of its edge, in edge
     /// lengths; 0 with [`Degenerate::Exact`].
     pub margin: f64,
+    /// Cells in which a saddle that decides what the surface connects is exactly on the isovalue. There the
+    /// trilinear field has no surface that is a manifold; the mesh is one, with the inside joined. 0 with
+    /// [`Topology::Table`], which does not ask.
+    pub singular_cells: u64,
     /// What was not done, for all surfaces of the call together.
     pub skipped: Skipped,
 }
@@ -103,19 +108,21 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
         let extract = |((planes, &iso), sink): ((Planes, &f64), &mut S)| {
-            let layout = layout(&planes, options, job)?;
+            let values = Values::new(*view, iso, planes.lattice.guard);
+            let layout = layout(&planes, &values, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
+            let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
             let bytes = counts.bytes(precision, sink.wants_normals());
             job.limits.probe("surface", bytes, 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
                 let placement = Placement::new(*view, iso, margin, 0.0);
                 let winding = Winding::of(view.frame());
-                let fill = Fill { planes: &planes, layout, placement, winding };
+                let fill = Fill { planes: &planes, layout, placement, values, winding };
                 let slices = 0..planes.lattice.points[2];
                 fill.piece(slices, piece, options.layers_per_task.get(), job)?;
             }
-            Ok(Extracted { counts, precision, margin, skipped })
+            Ok(Extracted { counts, precision, margin, singular_cells, skipped })
         };
         surfaces.map(extract).collect()
     })
@@ -135,16 +142,18 @@ pub fn count_many<'a, T: Sample>(
     let source: Source<'_, T> = samples.into();
     job.threads.run(|| {
         if source.bricks.is_none()
+            && options.topology == Topology::Table
             && let Some(counts) = tallied(&source.view, isos, options, job)?
         {
             return Ok(counts);
         }
         let (planes, _) = classified(&source, isos, Passes::Count, options, job)?;
-        let count = |planes| {
-            let layout = layout(&planes, options, job)?;
+        let count = |(planes, &iso): (Planes, &f64)| {
+            let values = Values::new(source.view, iso, planes.lattice.guard);
+            let layout = layout(&planes, &values, options, job)?;
             Ok(layout.as_ref().map_or(Counts::default(), Layout::counts))
         };
-        planes.into_iter().map(count).collect()
+        planes.into_iter().zip(isos).map(count).collect()
     })
 }
 
@@ -208,15 +217,17 @@ fn checked<T: Sample, E>(
 }
 
 /// The numbers of all vertices and triangles; none where there can be none.
-fn layout<E: Send>(
+fn layout<T: Sample, E: Send>(
     planes: &Planes,
+    values: &Values<'_, T>,
     options: &ExtractOptions,
     job: &Job,
 ) -> Result<Option<Layout>, ExtractError<E>> {
     if planes.is_empty() || !planes.lattice.has_cells() {
         return Ok(None);
     }
-    Layout::new(planes, options.layers_per_task.get(), job).map(Some)
+    let values = (options.topology == Topology::Trilinear).then_some(values);
+    Layout::new(planes, values, options.layers_per_task.get(), job).map(Some)
 }
 
 /// What the caller chose, or f32 while it is exact enough, and the margin that then keeps vertices apart.

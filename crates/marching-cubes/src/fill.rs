@@ -4,6 +4,7 @@ use crate::{
     case::{CASES, CASES_TURNED},
     layout::Layout,
     planes::Planes,
+    trilinear::{Filling, SpecialWriter, Values},
     vertex::Placement,
 };
 use isokit_geom::Frame;
@@ -41,13 +42,14 @@ pub(crate) struct Fill<'a, T> {
     pub(crate) planes: &'a Planes,
     pub(crate) layout: &'a Layout,
     pub(crate) placement: Placement<'a, T>,
+    pub(crate) values: Values<'a, T>,
     pub(crate) winding: Winding,
 }
 
 /// The part of the output that is still to be written.
-struct Room<'a, C> {
-    positions: &'a mut [[C; 3]],
-    normals: Option<&'a mut [[f32; 3]]>,
+pub(crate) struct Room<'a, C> {
+    pub(crate) positions: &'a mut [[C; 3]],
+    pub(crate) normals: Option<&'a mut [[f32; 3]]>,
 }
 
 /// What a task needs beside its part of the output: memory that is used again for every slice.
@@ -123,7 +125,8 @@ impl<T: Sample> Fill<'_, T> {
         })
     }
 
-    /// A slice's vertices, those along x and y row by row and then those along z, and its triangles.
+    /// A slice's vertices, those along x and y row by row, then those along z, then those in special cells;
+    /// and its triangles.
     fn slice<C: Coordinate>(
         &self,
         z: usize,
@@ -137,9 +140,26 @@ impl<T: Sample> Fill<'_, T> {
         let Scratch { words, along_x_and_y, along_z } = scratch;
         let [_, ny, nz] = self.planes.lattice.points;
         let first = self.layout.row(self.planes.lattice, 0, z);
-        let end = self.layout.slices[z + 1].vertices as u32;
+        let first_inner = self.layout.first_inner(z);
         let mut flat = room.split_off((first.z - first.x) as usize);
-        let mut upright = room.split_off((end - first.z) as usize);
+        let mut upright = room.split_off((first_inner - first.z) as usize);
+        let cells = self.layout.special(z);
+        let [before, after] = [self.layout.slices[z], self.layout.slices[z + 1]];
+        let triangles = split_off(triangles, (after.triangles - before.triangles) as usize);
+        // The last triangles of the slice are those of its special cells.
+        let others = triangles.len() - cells.triangles as usize;
+        let (mut triangles, special) = triangles.split_at_mut(others);
+        let mut special = (!cells.all().is_empty()).then(|| SpecialWriter {
+            cells: cells.all(),
+            values: self.values,
+            placement: &self.placement,
+            winding: self.winding,
+            z,
+            next: first_inner,
+            room: room.split_off(cells.vertices as usize),
+            triangles: special,
+            filling: Filling::default(),
+        });
         along_x_and_y.edges.begin(self.sample(z));
         along_z.edges.begin(self.sample(z));
         let rows_of_block = (BLOCK / self.planes.lattice.words).max(1);
@@ -149,9 +169,12 @@ impl<T: Sample> Fill<'_, T> {
                 continue;
             }
             self.layout.words(self.planes, rows, z, words);
+            if let Some(special) = &mut special {
+                special.rows(words, |y| self.first_vertices(y, z));
+            }
             if z + 1 < nz {
                 let written = self.triangles(z, words, triangles);
-                split_off(triangles, written);
+                split_off(&mut triangles, written);
             }
             match words.len() <= BLOCK {
                 true => self.edges(&[0, 1], words, along_x_and_y, &mut flat),
@@ -197,9 +220,22 @@ impl<T: Sample> Fill<'_, T> {
         edges.clear();
     }
 
+    /// The first vertices around a row of cells.
+    #[inline(always)]
+    fn first_vertices(&self, y: usize, z: usize) -> FirstVertices {
+        let (lattice, last) = (self.planes.lattice, self.planes.lattice.points[1] - 1);
+        // Where there is no next row there are no cells either.
+        let row = |dy: usize, dz: usize| self.layout.row(lattice, (y + dy).min(last), z + dz);
+        let rows = [row(0, 0), row(1, 0), row(0, 1), row(1, 1)];
+        FirstVertices {
+            x: [rows[0].x, rows[1].x, rows[2].x, rows[3].x],
+            y: [rows[0].y, rows[2].y],
+            z: [rows[0].z, rows[1].z],
+        }
+    }
+
     /// The triangles of the cells in `words`, to the front of `out`.
     fn triangles(&self, z: usize, words: &[Word], out: &mut [[u32; 3]]) -> usize {
-        let (lattice, last) = (self.planes.lattice, self.planes.lattice.points[1] - 1);
         let mut left = words;
         let first = |y: usize| {
             // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time:
@@ -207,14 +243,7 @@ impl<T: Sample> Fill<'_, T> {
             let row = left.partition_point(|word| word.row <= y);
             self.placement.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
             left = &left[row..];
-            // Where there is no next row there are no cells either.
-            let row = |dy: usize, dz: usize| self.layout.row(lattice, (y + dy).min(last), z + dz);
-            let rows = [row(0, 0), row(1, 0), row(0, 1), row(1, 1)];
-            FirstVertices {
-                x: [rows[0].x, rows[1].x, rows[2].x, rows[3].x],
-                y: [rows[0].y, rows[2].y],
-                z: [rows[0].z, rows[1].z],
-            }
+            self.first_vertices(y, z)
         };
         let table = match self.winding {
             Winding::Kept => &CASES,
@@ -226,7 +255,7 @@ impl<T: Sample> Fill<'_, T> {
 
 impl<'a, C: Coordinate> Room<'a, C> {
     /// Takes room for the first so many vertices.
-    fn split_off(&mut self, vertices: usize) -> Room<'a, C> {
+    pub(crate) fn split_off(&mut self, vertices: usize) -> Room<'a, C> {
         Room {
             positions: split_off(&mut self.positions, vertices),
             normals: self.normals.as_mut().map(|normals| split_off(normals, vertices)),
@@ -235,7 +264,7 @@ impl<'a, C: Coordinate> Room<'a, C> {
 }
 
 /// Takes the first so many.
-fn split_off<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+pub(crate) fn split_off<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let (first, rest) = std::mem::take(all).split_at_mut(count);
     *all = rest;
     first

@@ -1,18 +1,22 @@
 //! How much each row makes, and where it puts it.
 //!
 //! Vertices are numbered slice by slice: those on the edges along x and y of a slice, row by row, then
-//! those on the edges along z to the next slice, row by row. Triangles are numbered row by row. Both
-//! orders are those of a reader who sees one slice after another, so a volume that streams by gives the
-//! same numbers as one in memory.
+//! those on the edges along z to the next slice, row by row. Triangles are numbered row by row. What
+//! special cells make follows, slice by slice: their interior vertices after the vertices on edges, their
+//! triangles after those of the other cells. These orders are those of a reader who sees one slice after
+//! another, so a volume that streams by gives the same numbers as one in memory.
 
 use crate::{
     ExtractError,
+    case::COUNTS,
     masked::LiveCells,
     planes::{Lattice, Planes},
+    trilinear::{SpecialCells, Values},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Word, count_rows, count_words, words_of_rows};
+use isokit_lanes::{Word, count_rows, count_words, open_words_of_rows, words_of_rows};
 use isokit_mesh::Counts;
+use isokit_volume::Sample;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -34,23 +38,26 @@ pub(crate) struct Layout {
     /// One more than there are slices: the last holds the totals.
     pub(crate) slices: Vec<Counts>,
     pub(crate) live: Option<LiveCells>,
+    /// Those of every slice; none where the cases settle everything.
+    special: Vec<SpecialCells>,
 }
 
 impl Layout {
-    /// Counts, then sums.
-    pub(crate) fn new<E: Send>(
+    /// Counts, then sums. With values, what the signs of a cell leave open is decided by them.
+    pub(crate) fn new<T: Sample, E: Send>(
         planes: &Planes,
+        values: Option<&Values<'_, T>>,
         layers_per_task: usize,
         job: &Job,
     ) -> Result<Self, ExtractError<E>> {
         let part = Part { slices: 0..planes.lattice.points[2], before: Counts::default() };
-        Self::part(planes, &part, layers_per_task, job)
+        Self::part((planes, values), &part, layers_per_task, job)
     }
 
     /// The same for some slices. Of the slice after them, which their triangles look up to, only the
     /// vertices along x and y are counted.
-    pub(crate) fn part<E: Send>(
-        planes: &Planes,
+    pub(crate) fn part<T: Sample, E: Send>(
+        (planes, values): (&Planes, Option<&Values<'_, T>>),
         part: &Part,
         layers_per_task: usize,
         job: &Job,
@@ -69,19 +76,30 @@ impl Layout {
             let counts = slices.map(|(n, slice)| {
                 let z = task * layers_per_task + n;
                 if z < own.start || z > own.end {
-                    return Counts::default();
+                    return (Counts::default(), SpecialCells::default());
                 }
-                let counts = count_slice(planes, live.as_ref(), z, slice, &mut scratch);
                 if z == own.end {
+                    count_slice(planes, live.as_ref(), z, slice, &mut scratch);
                     slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
-                    return Counts::default();
+                    return (Counts::default(), SpecialCells::default());
                 }
+                let special = match values {
+                    Some(values) => {
+                        let slice = (z, &mut *slice);
+                        count_with_special((planes, values), live.as_ref(), slice, &mut scratch)
+                    }
+                    None => {
+                        count_slice(planes, live.as_ref(), z, slice, &mut scratch);
+                        SpecialCells::default()
+                    }
+                };
                 job.progress.advance(1);
-                counts
+                (counts_of(slice, &special), special)
             });
-            Ok(counts.collect::<Vec<Counts>>())
+            Ok(counts.collect::<Vec<_>>())
         });
-        let counted = counted.collect::<Result<Vec<_>, Cancelled>>()?.concat();
+        let counted = counted.collect::<Result<Vec<_>, Cancelled>>()?;
+        let (counted, special): (Vec<_>, Vec<_>) = counted.into_iter().flatten().unzip();
         let slices = running_sum(*before, &counted);
         let widest = counted.iter().map(|slice| slice.triangles).max().unwrap_or(0);
         check_size(slices[counted.len()], widest)?;
@@ -94,7 +112,23 @@ impl Layout {
                 number_rows(slice, ends[0].vertices as u32);
             },
         );
-        Ok(Self { rows, slices, live })
+        Ok(Self { rows, slices, live, special })
+    }
+
+    /// The special cells of a slice.
+    pub(crate) fn special(&self, z: usize) -> &SpecialCells {
+        &self.special[z]
+    }
+
+    /// Cells in which a saddle that decides is exactly on the isovalue.
+    pub(crate) fn singular_cells(&self) -> u64 {
+        self.special.iter().map(|slice| slice.singular).sum()
+    }
+
+    /// The number of the first vertex of a slice that lies on no edge.
+    #[inline(always)]
+    pub(crate) fn first_inner(&self, z: usize) -> u32 {
+        (self.slices[z + 1].vertices - self.special[z].vertices) as u32
     }
 
     /// Vertices and triangles of the whole surface.
@@ -106,14 +140,14 @@ impl Layout {
     #[inline(always)]
     pub(crate) fn are_blank(&self, lattice: Lattice, rows: Range<usize>, z: usize) -> bool {
         let (own, first) = (self.row(lattice, rows.start, z), self.row(lattice, 0, z));
-        let (before, end) = (self.slices[z], self.slices[z + 1]);
+        let (before, end, special) = (self.slices[z], self.slices[z + 1], &self.special[z]);
         let next = match rows.end < lattice.points[1] {
             true => self.row(lattice, rows.end, z),
             false => Row {
                 x: first.z,
                 y: first.z,
-                z: end.vertices as u32,
-                triangles: (end.triangles - before.triangles) as u32,
+                z: self.first_inner(z),
+                triangles: (end.triangles - before.triangles - special.triangles) as u32,
             },
         };
         (own.x, own.z, own.triangles) == (next.x, next.z, next.triangles)
@@ -169,10 +203,9 @@ fn count_slice(
     z: usize,
     slice: &mut [Row],
     scratch: &mut Vec<Word>,
-) -> Counts {
-    let mut counts = Counts::default();
+) {
     if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
-        return counts;
+        return;
     }
     let rows = 0..slice.len();
     if live.is_some() || planes.visits.is_some() {
@@ -181,6 +214,34 @@ fn count_slice(
     } else {
         count_rows(&planes.inside.slices(z), rows, slice);
     }
+}
+
+/// The same without the triangles of special cells, which are found.
+fn count_with_special<T: Sample>(
+    (planes, values): (&Planes, &Values<'_, T>),
+    live: Option<&LiveCells>,
+    (z, slice): (usize, &mut [Row]),
+    scratch: &mut Vec<Word>,
+) -> SpecialCells {
+    let mut special = SpecialCells::default();
+    if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
+        return special;
+    }
+    count_slice(planes, live, z, slice, scratch);
+    let rows = 0..slice.len();
+    match live.is_some() || planes.visits.is_some() {
+        true => words(planes, live, rows, z, scratch),
+        false => open_words_of_rows(&planes.inside.slices(z), rows, scratch),
+    }
+    special.look_at(values, (z, scratch), |row, case| {
+        slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
+    });
+    special.shrunk()
+}
+
+/// What rows and special cells make.
+fn counts_of(slice: &[Row], special: &SpecialCells) -> Counts {
+    let mut counts = Counts { vertices: special.vertices, triangles: special.triangles };
     for row in slice {
         counts.vertices += u64::from(row.x) + u64::from(row.y) + u64::from(row.z);
         counts.triangles += u64::from(row.triangles);

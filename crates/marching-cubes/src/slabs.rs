@@ -16,11 +16,12 @@ mod window;
 pub use budget::Budget;
 
 use crate::{
-    ExtractError, ExtractOptions, Extracted, Nan, Skipped, SlabError, Source,
+    ExtractError, ExtractOptions, Extracted, Nan, Skipped, SlabError, Source, Topology,
     extract::precision,
     fill::{Fill, Winding},
     layout::{Layout, Part},
     planes::{Lattice, Planes},
+    trilinear::Values,
     vertex::Placement,
 };
 use isokit_job::{Job, OverLimit};
@@ -83,7 +84,8 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
     }
     let (precision, margin) = making.precision;
     let mut found = vec![];
-    for (n, Surface { counts, is_begun, is_too_large, .. }) in surfaces.into_iter().enumerate() {
+    for (n, surface) in surfaces.into_iter().enumerate() {
+        let Surface { counts, singular_cells, is_begun, is_too_large, .. } = surface;
         if is_too_large {
             let Counts { vertices, triangles } = counts;
             return Err(ExtractError::TooLarge { vertices, triangles }.into());
@@ -92,7 +94,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
             sinks.sink(n).piece(counts, precision).map_err(ExtractError::Sink)?;
         }
         let skipped = Skipped { samples_read: grid.count(), ..Skipped::default() };
-        found.push(Extracted { counts, precision, margin, skipped });
+        found.push(Extracted { counts, precision, margin, singular_cells, skipped });
     }
     Ok(found)
 }
@@ -115,13 +117,15 @@ struct Surface {
     iso: f64,
     /// Vertices and triangles so far.
     counts: Counts,
+    singular_cells: u64,
     is_begun: bool,
     is_too_large: bool,
 }
 
 impl Surface {
     fn new(iso: f64) -> Self {
-        Self { iso, counts: Counts::default(), is_begun: false, is_too_large: false }
+        let counts = Counts::default();
+        Self { iso, counts, singular_cells: 0, is_begun: false, is_too_large: false }
     }
 }
 
@@ -159,7 +163,10 @@ impl Making<'_> {
         }
         let part = Part { slices: window.own(lattice), before: surface.counts };
         let layers = self.layers_per_task(&part.slices);
-        let layout = match Layout::part(planes, &part, layers, job) {
+        let values = Values::new(view, surface.iso, lattice.guard);
+        let is_trilinear = self.slabs.options.topology == Topology::Trilinear;
+        let decided = (planes, is_trilinear.then_some(&values));
+        let layout = match Layout::part(decided, &part, layers, job) {
             Err(ExtractError::TooLarge { vertices, triangles }) => {
                 surface.counts = Counts { vertices, triangles };
                 surface.is_too_large = true;
@@ -168,13 +175,14 @@ impl Making<'_> {
             layout => layout?,
         };
         surface.counts = layout.slices[part.slices.end];
+        surface.singular_cells += layout.singular_cells();
         if surface.is_too_large {
             return Ok(()); // only to count it
         }
         let first_slice = window.first() as f64;
         let placement = Placement::new(view, surface.iso, self.precision.1, first_slice);
         let winding = Winding::of(view.frame());
-        let fill = Fill { planes, layout: &layout, placement, winding };
+        let fill = Fill { planes, layout: &layout, placement, values, winding };
         let mut slices = part.slices;
         while !slices.is_empty() {
             let next = self.piece(&layout, &slices, sink.wants_normals())?;

@@ -103,6 +103,19 @@ impl<'a, T: Sample> Placement<'a, T> {
         Cut { axis, low, ends, values, delta }
     }
 
+    /// Where the edge along `axis` from `low` is crossed, in edge lengths from there. The ends are numbered
+    /// as those of [`Edges`].
+    pub(crate) fn crossing(&self, axis: usize, low: [u32; 3]) -> f64 {
+        0.5 + self.cut(axis, low).delta
+    }
+
+    /// A place in world space, in cell sizes from `low`, which may be a wrapped −1.
+    pub(crate) fn position_in_cell<C: Coordinate>(&self, low: [u32; 3], place: [f64; 3]) -> [C; 3] {
+        let mut ijk = low.map(|i| f64::from(i as i32));
+        ijk[2] += self.field.first_slice;
+        self.field.world(std::array::from_fn(|axis| ijk[axis] + place[axis])).map(C::round)
+    }
+
     /// The position of a cut in world space.
     fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
         let mut ijk = cut.low;
@@ -153,7 +166,7 @@ impl<'a, T: Sample> Placement<'a, T> {
     }
 
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
-    fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
+    pub(crate) fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
         let world = self.world_gradient(gradient);
         if TAME.contains(&greatest(world)) {
             return Some(against(world));

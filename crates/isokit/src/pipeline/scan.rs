@@ -7,7 +7,7 @@ use crate::pipeline::{
 use isokit_geom::Frame;
 use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job};
-use isokit_marching_cubes::{ExtractError, Skipped, Source, extract_many};
+use isokit_marching_cubes::{ExtractError, Extracted, Source, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{
     AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any,
@@ -226,8 +226,8 @@ impl Scan {
     }
 
     /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
-    /// of a used mesh. What comes back is what an index told not to do; an index by which the surfaces go
-    /// through more than an eighth of the volume is left aside, for then to ask it takes longer.
+    /// of a used mesh. What comes back says too what an index told not to do; an index by which the
+    /// surfaces go through more than an eighth of the volume is left aside, for then to ask it takes longer.
     ///
     /// # Errors
     ///
@@ -242,7 +242,7 @@ impl Scan {
         options: &SurfaceOptions,
         meshes: &mut [TriMesh],
         job: &Job,
-    ) -> Result<Skipped, PipelineError> {
+    ) -> Result<Vec<Extracted>, PipelineError> {
         for mesh in &mut *meshes {
             match options.normals {
                 Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
@@ -253,15 +253,15 @@ impl Scan {
         let extracted = for_any!(&self.volume, volume => {
             extract_many(self.source(volume, isos), isos, &options.extract, &mut sinks, job)
         });
-        let extracted = extracted.map_err(|error| in_whole(error, &self.part))?;
+        let mut extracted = extracted.map_err(|error| in_whole(error, &self.part))?;
         drop(sinks);
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
         }
-        let skipped = extracted.first().map_or(Skipped::default(), |one| one.skipped);
         // Of an index that was left aside no brick is skipped.
         let bricks = self.bricks.as_ref().map_or(0, AnyBricks::count);
-        Ok(Skipped { bricks, ..skipped })
+        extracted.iter_mut().for_each(|one| one.skipped.bricks = bricks);
+        Ok(extracted)
     }
 
     /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the

@@ -101,3 +101,55 @@ fn words_agree_with_the_definition_across_words_and_rows() {
         check(&low, None, points);
     }
 }
+
+#[test]
+fn open_words_are_those_with_a_cell_of_a_code_that_leaves_something_open() {
+    // Both the inside and the outside hang together along edges, or the code is open.
+    let is_open = |code: usize| {
+        let pieces = |inside: usize| {
+            let own = |k: usize| code >> k & 1 == inside;
+            let mut name: [usize; 8] = std::array::from_fn(|k| k);
+            for _ in 0..8 {
+                for (k, axis) in (0..8).flat_map(|k| (0..3).map(move |axis| (k, axis))) {
+                    if own(k) && own(k ^ 1 << axis) {
+                        name[k] = name[k].min(name[k ^ 1 << axis]);
+                    }
+                }
+            }
+            (0..8).filter(|&k| own(k) && name[k] == k).count()
+        };
+        pieces(0) > 1 || pieces(1) > 1
+    };
+    let mut state = 11_u64;
+    let mut chance = || {
+        state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
+        state ^ state >> 31
+    };
+    for points in [1_usize, 2, 63, 64, 65, 130, 600] {
+        for kind in 0..3 {
+            let words = points.div_ceil(64);
+            let mut slice = || -> Vec<u64> {
+                let last = |n: usize| n % words == words - 1 && points % 64 > 0;
+                let mask = |n: usize| if last(n) { (1 << (points % 64)) - 1 } else { u64::MAX };
+                let mut word = || if kind == 0 { chance() } else { chance() & chance() & chance() };
+                (0..5 * words)
+                    .map(|n| if kind == 2 && n % 3 > 0 { 0 } else { word() } & mask(n))
+                    .collect()
+            };
+            let (low, high) = (slice(), slice());
+            let bits = BitRows::new(&low, Some(&high), points);
+            let (mut all, mut found) = (vec![], vec![]);
+            words_of_rows_at(Level::Portable, &bits, 0..5, &mut all);
+            for word in &all {
+                let open = (0..64).filter(|&n| word.active >> n & 1 == 1);
+                let open = open.filter(|&n| is_open(usize::from(word.case(n))));
+                assert_eq!(word.open(), open.fold(0, |mask, n| mask | 1 << n));
+            }
+            all.retain(|word| word.open() != 0);
+            for &level in Level::available() {
+                super::open_words_of_rows_at(level, &bits, 0..5, &mut found);
+                assert_eq!(found, all, "{level}, {points} points");
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Eight words in a register, of one row or of several.
 
-use super::{BitRows, WORD, Word};
+use super::{BitRows, FACES, WORD, Word};
 use std::{arch::x86_64::*, ops::Range};
 
 /// Eight neighbouring words of rows of cells, or as many as there are.
@@ -40,6 +40,26 @@ impl Eight {
             *high = _mm512_and_si512(*high, self.cells);
         }
         transposed([a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]])
+    }
+
+    /// The words that hold an open cell.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn open(&self) -> u8 {
+        let (a, b) = (self.low, self.high);
+        let k = [a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]];
+        let differ = |p: usize, q: usize| _mm512_xor_si512(k[p], k[q]);
+        let (mut ambiguous, mut uneven) = (_mm512_setzero_si512(), _mm512_setzero_si512());
+        for [a, b, c, d] in FACES {
+            let two = _mm512_and_si512(differ(a, b), differ(b, c));
+            ambiguous = _mm512_or_si512(ambiguous, _mm512_and_si512(two, differ(c, d)));
+        }
+        for n in 0..4 {
+            uneven = _mm512_or_si512(uneven, differ(n, 7 - n));
+        }
+        let even = _mm512_andnot_si512(uneven, self.active);
+        let open = _mm512_or_si512(even, _mm512_and_si512(ambiguous, self.active));
+        _mm512_test_epi64_mask(open, open)
     }
 
     /// The eight lists of cut edges of each word.
@@ -215,20 +235,28 @@ pub(crate) fn words(register: __m512i) -> [u64; 8] {
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
 pub(super) fn words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::new(bits, rows), out);
+    push_words(Eights::new(bits, rows), out, |eight| eight.found);
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+pub(super) fn open_words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
+    push_words(Eights::new(bits, rows), out, |eight| eight.open());
 }
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
 pub(super) fn words_of_run(bits: &BitRows<'_>, row: usize, run: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::of_run(bits, row, run), out);
+    push_words(Eights::of_run(bits, row, run), out, |eight| eight.found);
 }
 
 #[inline]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-fn push_words(mut eights: Eights<'_>, out: &mut Vec<Word>) {
+fn push_words(mut eights: Eights<'_>, out: &mut Vec<Word>, wanted: impl Fn(&Eight) -> u8) {
     while let Some(eight) = eights.next() {
+        let mut found = wanted(&eight);
+        if found == 0 {
+            continue;
+        }
         let (corners, cuts, active) = (eight.corners(), eight.cuts(), words(eight.active));
-        let mut found = eight.found;
         while found != 0 {
             let n = found.trailing_zeros() as usize;
             found &= found - 1;

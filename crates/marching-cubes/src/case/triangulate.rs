@@ -12,11 +12,11 @@ use isokit_geom::cube::Edge;
 use std::cmp::Ordering;
 
 /// Three edges of a cell, counter-clockwise seen from outside.
-pub(super) type Triangle = [Edge; 3];
+pub(crate) type Triangle = [Edge; 3];
 
 /// The face-safe triangulation of `ring` with the greatest least angle, ties to the least edges: each
 /// triangle begins with its least edge, and they are in ascending order.
-pub(super) fn best(ring: &[Edge]) -> Vec<Triangle> {
+pub(crate) fn best(ring: &[Edge]) -> Vec<Triangle> {
     let candidates = face_safe(ring).into_iter().map(|triangles| {
         let mut triangles: Vec<_> = triangles.into_iter().map(least_first).collect();
         triangles.sort_unstable();
@@ -28,7 +28,7 @@ pub(super) fn best(ring: &[Edge]) -> Vec<Triangle> {
 }
 
 /// The triangulations of `ring` without a diagonal that joins two edges of one face.
-pub(super) fn face_safe(ring: &[Edge]) -> Vec<Vec<Triangle>> {
+pub(crate) fn face_safe(ring: &[Edge]) -> Vec<Vec<Triangle>> {
     let follows = |p, q| (0..ring.len()).any(|i| ring[i] == p && ring[(i + 1) % ring.len()] == q);
     let is_clear = |[p, q]: [Edge; 2]| follows(p, q) || p.common_face(q).is_none();
     let mut triangulations = all(ring);
@@ -37,7 +37,7 @@ pub(super) fn face_safe(ring: &[Edge]) -> Vec<Vec<Triangle>> {
 }
 
 /// Every triangulation of `ring`: some triangle stands on the side from its last edge to its first.
-pub(super) fn all(ring: &[Edge]) -> Vec<Vec<Triangle>> {
+pub(crate) fn all(ring: &[Edge]) -> Vec<Vec<Triangle>> {
     if ring.len() < 3 {
         return vec![vec![]]; // nothing to fill, in one way
     }
@@ -54,7 +54,7 @@ pub(super) fn all(ring: &[Edge]) -> Vec<Vec<Triangle>> {
 }
 
 /// The directed sides of a triangle.
-pub(super) fn sides([a, b, c]: Triangle) -> [[Edge; 2]; 3] {
+pub(crate) fn sides([a, b, c]: Triangle) -> [[Edge; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
@@ -64,7 +64,7 @@ fn least_first([a, b, c]: Triangle) -> Triangle {
 }
 
 /// The middle of an edge, in half cell sizes so that it is whole.
-pub(super) fn middle(edge: Edge) -> [i32; 3] {
+pub(crate) fn middle(edge: Edge) -> [i32; 3] {
     let [a, b] = edge.ends().map(|k| k.offset());
     std::array::from_fn(|axis| (a[axis] + b[axis]) as i32)
 }

@@ -1,7 +1,7 @@
 //! How high the window is, for so much memory.
 
 use super::LEAST_WINDOW;
-use crate::{Boundary, ExtractOptions, Nan};
+use crate::{Boundary, ExtractOptions, Nan, Topology, trilinear::SpecialCells};
 use isokit_job::OverLimit;
 use isokit_lanes::words;
 use isokit_volume::{Dtype, Grid};
@@ -58,7 +58,8 @@ impl Budget {
 }
 
 /// What a slice of the window takes: its samples, and while surfaces are made a bit of each for every one of
-/// them (and two more where cells next to NaN are left out) and what its rows make.
+/// them (and two more where cells next to NaN are left out), what its rows make, and, where values decide
+/// what is connected, its cells, which may all be special.
 fn bytes_per_slice(
     grid: &Grid,
     dtype: Dtype,
@@ -72,14 +73,18 @@ fn bytes_per_slice(
     let planes = surfaces.checked_add(if may_miss { 2 } else { 0 })?;
     let words = words(usize::try_from(nx.checked_add(guards)?).ok()?) as u64;
     let rows = ny.checked_add(guards)?;
-    samples
-        .checked_add(rows.checked_mul(words.checked_mul(8)?.checked_mul(planes)?.checked_add(16)?)?)
+    let special = match options.topology {
+        Topology::Table => 0,
+        Topology::Trilinear => nx.checked_add(guards)?.checked_mul(SpecialCells::BYTES as u64)?,
+    };
+    let row = words.checked_mul(8)?.checked_mul(planes)?.checked_add(16)?.checked_add(special)?;
+    samples.checked_add(rows.checked_mul(row)?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Budget, LEAST_WINDOW, bytes_per_slice};
-    use crate::ExtractOptions;
+    use crate::{ExtractOptions, Topology};
     use isokit_volume::{Dtype, Grid};
 
     #[test]
@@ -110,6 +115,16 @@ mod tests {
             let window = budget.window as u64 * per_slice;
             assert!(budget.window >= LEAST_WINDOW && window + 2 * budget.piece_bytes <= bytes);
         }
+    }
+
+    #[test]
+    fn a_slice_whose_cells_may_all_be_special_takes_more() {
+        let grid = Grid::new([62, 30, 9], Default::default()).unwrap();
+        let of = |topology| {
+            let options = ExtractOptions::DEFAULT.with_topology(topology);
+            bytes_per_slice(&grid, Dtype::U8, 1, &options).unwrap()
+        };
+        assert_eq!(of(Topology::Trilinear) - of(Topology::Table), 64 * 32 * 12);
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use super::{Budget, LEAST_WINDOW, Making, Slabs, Surface, Window, extract_slabs, precision};
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, SlabError, extract, extract_into,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Extracted, Nan, SlabError, Topology,
+    extract, extract_into,
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Stopped};
@@ -12,8 +13,13 @@ use proptest::prelude::*;
 use std::convert::Infallible;
 
 /// The most that a slice of the lattice makes.
-fn greatest_slice(grid: &Grid) -> u64 {
-    (grid.dims()[0] + 2) * (grid.dims()[1] + 2) * (3 * 36 + 5 * 12)
+fn greatest_slice(grid: &Grid, topology: Topology) -> u64 {
+    let of_cell = match topology {
+        Topology::Table => 3 * 36 + 5 * 12,
+        // A waist of six vertices, and as many triangles as it and all edges have sides.
+        Topology::Trilinear => (3 + 6) * 36 + (2 * 6 + 12) * 12,
+    };
+    (grid.dims()[0] + 2) * (grid.dims()[1] + 2) * of_cell
 }
 
 fn bits(mesh: &TriMesh) -> (Vec<u64>, Vec<u32>, &[[u32; 3]]) {
@@ -27,9 +33,13 @@ fn bits(mesh: &TriMesh) -> (Vec<u64>, Vec<u32>, &[[u32; 3]]) {
 
 fn check<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) {
     let job = Job::default();
-    let expected: Result<Vec<TriMesh>, _> =
-        isos.iter().map(|&iso| extract(&volume.view(), iso, options, &job)).collect();
-    let least = greatest_slice(volume.grid());
+    let whole = |&iso: &f64| {
+        let mut mesh = TriMesh::with_normals();
+        let told = extract_into(&volume.view(), iso, options, &mut mesh.refill(), &job)?;
+        Ok::<_, ExtractError>((mesh, told))
+    };
+    let expected: Result<Vec<_>, _> = isos.iter().map(whole).collect();
+    let least = greatest_slice(volume.grid(), options.topology);
     for window in LEAST_WINDOW..=volume.view().dims()[2].max(LEAST_WINDOW) {
         for piece_bytes in [least, 3 * least, u64::MAX] {
             let slabs = Slabs { isos, options, budget: Budget { window, piece_bytes } };
@@ -43,11 +53,12 @@ fn check<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) 
                     assert_eq!(found, Err(SlabError::Extract(error.clone())), "window {window}");
                 }
                 Ok(expected) => {
-                    for ((mesh, expected), found) in meshes.iter().zip(expected).zip(found.unwrap())
+                    for ((mesh, (expected, told)), found) in
+                        meshes.iter().zip(expected).zip(found.unwrap())
                     {
                         assert!(bits(mesh) == bits(expected), "window {window}, {piece_bytes}");
+                        assert_eq!(Extracted { skipped: told.skipped, ..found }, *told);
                         assert_eq!(found.counts, mesh.counts());
-                        assert_eq!(found.precision, mesh.positions.precision());
                     }
                 }
             }
@@ -80,8 +91,9 @@ fn options() -> impl Strategy<Value = ExtractOptions> {
     let boundary = prop_oneof![Just(Boundary::Closed), Just(Boundary::Open)];
     let degenerate = prop_oneof![Just(Degenerate::Never), Just(Degenerate::Exact)];
     let nan = prop_oneof![Just(Nan::Outside), Just(Nan::Mask), Just(Nan::Error)];
-    (boundary, degenerate, nan).prop_map(|(boundary, degenerate, nan)| {
-        let options = ExtractOptions::DEFAULT.with_boundary(boundary);
+    let topology = prop_oneof![Just(Topology::Table), Just(Topology::Trilinear)];
+    (boundary, degenerate, nan, topology).prop_map(|(boundary, degenerate, nan, topology)| {
+        let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_topology(topology);
         options.with_degenerate(degenerate).with_nan(nan)
     })
 }
@@ -122,9 +134,12 @@ proptest! {
 #[test]
 fn rows_of_several_words_are_no_different() {
     for options in [Nan::Outside, Nan::Mask].map(|nan| ExtractOptions::DEFAULT.with_nan(nan)) {
-        for nx in [62, 63, 64, 65, 130] {
-            let grid = Grid::new([nx, 3, 9], Frame::default()).unwrap();
-            check(&samples(grid, nx, odd), &[2.0], &options);
+        for topology in [Topology::Table, Topology::Trilinear] {
+            let options = options.clone().with_topology(topology);
+            for nx in [62, 63, 64, 65, 130] {
+                let grid = Grid::new([nx, 3, 9], Frame::default()).unwrap();
+                check(&samples(grid, nx, odd), &[2.0], &options);
+            }
         }
     }
 }
@@ -193,7 +208,7 @@ fn what_a_surface_is_can_be_found_out_while_it_passes_by() {
                 0 => Boundary::Open,
                 _ => Boundary::Closed,
             });
-            let budget = Budget { window: 4, piece_bytes: greatest_slice(&grid) };
+            let budget = Budget { window: 4, piece_bytes: greatest_slice(&grid, Topology::Table) };
             let mut mesh = TriMesh::with_normals();
             let mut sinks = Gauged::new(vec![mesh.refill()], 1, &job);
             let slabs = Slabs { isos: &[2.0], options, budget };

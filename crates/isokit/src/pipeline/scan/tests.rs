@@ -75,7 +75,7 @@ fn an_index_changes_no_surface_of_the_whole_or_of_a_part() {
     assert_eq!(indexed.index(&job).unwrap(), Index::NotKept(None));
     assert_eq!(mesh(&indexed, &open()), mesh(&whole, &open()));
     let mut meshes = vec![TriMesh::default(); 2];
-    let skipped = indexed.meshes_into(&[2.0, 3.0], &open(), &mut meshes, &job).unwrap();
+    let skipped = indexed.meshes_into(&[2.0, 3.0], &open(), &mut meshes, &job).unwrap()[0].skipped;
     assert_eq!((skipped.bricks, skipped.bricks_skipped, skipped.samples_read), (1, 1, 0));
     let [part, indexed] = [whole, indexed].map(|scan| scan.cropped(&region).unwrap());
     assert_eq!(mesh(&indexed, &open()), mesh(&part, &open()));
@@ -97,7 +97,7 @@ fn an_index_is_left_aside_where_a_surface_is_nearly_everywhere() {
     for (radius, is_used) in [(12.0, true), (60.0, false)] {
         let mut found = TriMesh::default();
         let meshes = slice::from_mut(&mut found);
-        let skipped = indexed.meshes_into(&[radius], &open(), meshes, &job).unwrap();
+        let skipped = indexed.meshes_into(&[radius], &open(), meshes, &job).unwrap()[0].skipped;
         assert_eq!(skipped.bricks, 2 * 13 * 13);
         assert_eq!(skipped.bricks_skipped > 0, is_used);
         assert_eq!(skipped.samples_read < N.pow(3) as u64, is_used);

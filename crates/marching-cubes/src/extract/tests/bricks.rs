@@ -2,7 +2,8 @@
 
 use super::{all_options, chance};
 use crate::{
-    Boundary, ExtractError, ExtractOptions, Nan, Skipped, Source, count_many, extract, extract_many,
+    Boundary, ExtractError, ExtractOptions, Nan, Skipped, Source, Topology, count_many, extract,
+    extract_many,
 };
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
@@ -12,6 +13,13 @@ use proptest::prelude::*;
 /// What was skipped.
 #[track_caller]
 fn check<T: Sample>(view: &View<'_, T>, isos: &[f64], options: &ExtractOptions) -> Skipped {
+    let of = |topology| check_one(view, isos, &options.clone().with_topology(topology));
+    assert_eq!(of(Topology::Table), of(Topology::Trilinear));
+    of(Topology::Table)
+}
+
+#[track_caller]
+fn check_one<T: Sample>(view: &View<'_, T>, isos: &[f64], options: &ExtractOptions) -> Skipped {
     let job = Job::default();
     let bricks = Bricks::of(view, &job).unwrap();
     let source = Source::with_bricks(view, &bricks).unwrap();

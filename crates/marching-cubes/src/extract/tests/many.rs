@@ -1,7 +1,9 @@
 //! Several isovalues at once against each alone.
 
 use super::{all_options, chance};
-use crate::{ExtractError, ExtractOptions, Nan, count, count_many, extract, extract_many};
+use crate::{
+    ExtractError, ExtractOptions, Nan, Topology, count, count_many, extract, extract_many,
+};
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
 use isokit_volume::{Sample, Scaling, Volume};
@@ -9,6 +11,13 @@ use proptest::prelude::*;
 
 #[track_caller]
 fn check<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) {
+    for topology in [Topology::Table, Topology::Trilinear] {
+        check_one(volume, isos, &options.clone().with_topology(topology));
+    }
+}
+
+#[track_caller]
+fn check_one<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) {
     let (view, job) = (volume.view(), Job::default());
     let mut meshes = vec![TriMesh::with_normals(); isos.len()];
     let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();

@@ -1,0 +1,159 @@
+//! One cell: its values, and what they decide.
+
+use super::{
+    decide::{Interior, Saddle, around},
+    number::ask,
+    table::{AMBIGUOUS, Resolved, resolved},
+};
+use isokit_geom::cube::{Edge, Face};
+use isokit_volume::{Sample, View};
+use std::cmp::Ordering;
+
+/// The values of samples less the isovalue.
+///
+/// Each is rounded once, so that all cells around a sample see the same number, whose sign is right. An
+/// isovalue so great that a difference could overflow has all differences quartered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Values<'a, T> {
+    view: View<'a, T>,
+    iso: f64,
+    scale: f64,
+    guard: usize,
+}
+
+impl<'a, T: Sample> Values<'a, T> {
+    /// `guard` is the lattice index of the first sample.
+    pub(crate) fn new(view: View<'a, T>, iso: f64, guard: usize) -> Self {
+        // Half a step of the greatest f64: less than that makes no difference overflow.
+        let greatest = 970.0_f64.exp2();
+        Self { view, iso, scale: if iso.abs() < greatest { 1.0 } else { 0.25 }, guard }
+    }
+
+    /// The number of the sample at a lattice index. A guard before the first has −1, which wraps.
+    pub(super) fn sample(&self, point: usize) -> u32 {
+        point.wrapping_sub(self.guard) as u32
+    }
+
+    /// The cell whose lowest corner is a point of the lattice.
+    #[inline]
+    pub(crate) fn cell(&self, code: u8, low: [usize; 3]) -> Cell {
+        let dims = self.view.dims();
+        let low = low.map(|i| i.wrapping_sub(self.guard));
+        let mut cell = Cell { code, known: 0, values: [0.0; 8] };
+        for (k, value) in cell.values.iter_mut().enumerate() {
+            let ijk: [usize; 3] = std::array::from_fn(|axis| low[axis].wrapping_add(k >> axis & 1));
+            if (0..3).all(|axis| ijk[axis] < dims[axis]) {
+                *value = self.view.value(ijk) * self.scale - self.iso * self.scale;
+                cell.known |= u8::from(value.is_finite()) << k;
+            }
+        }
+        cell
+    }
+}
+
+/// The corners of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    /// Which are inside.
+    pub(super) code: u8,
+    /// Which have a finite value.
+    pub(super) known: u8,
+    /// Less the isovalue.
+    pub(super) values: [f64; 8],
+}
+
+/// What the values of a cell whose code is not simple decide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Verdict {
+    /// The ambiguous faces that join their inside.
+    pub(super) joined: u8,
+    /// Two corners, of regions that the surface of the cell keeps apart, which its interior joins.
+    pub(super) tunnel: Option<[u8; 2]>,
+    /// Whether a saddle that decides is exactly on the isovalue.
+    pub(super) is_singular: bool,
+}
+
+impl Verdict {
+    /// Whether the cell has the triangles that its case has.
+    pub(super) fn is_plain(self) -> bool {
+        self.joined == 0 && self.tunnel.is_none()
+    }
+}
+
+impl Cell {
+    fn is_inside(&self, k: usize) -> bool {
+        self.code >> k & 1 == 1
+    }
+
+    /// Whether the surface crosses an edge.
+    pub(super) fn crosses(&self, edge: Edge) -> bool {
+        let [a, b] = edge.ends().map(|corner| self.is_inside(corner.index()));
+        a != b
+    }
+
+    /// The row of the table for this cell with these faces joined.
+    pub(super) fn resolved(&self, joined: u8) -> &'static Resolved {
+        resolved(self.code, joined)
+    }
+
+    /// What the values decide.
+    pub(super) fn verdict(&self) -> Verdict {
+        self.verdict_along(2)
+    }
+
+    /// The same with slices across a given axis.
+    pub(super) fn verdict_along(&self, axis: usize) -> Verdict {
+        let mut verdict = Verdict { joined: 0, tunnel: None, is_singular: false };
+        let mut rest = AMBIGUOUS[usize::from(self.code)];
+        while rest != 0 {
+            let face = rest.trailing_zeros() as u8;
+            rest &= rest - 1;
+            let saddle = self.saddle(Face::new(face));
+            verdict.joined |= u8::from(saddle != Ordering::Less) << face;
+            verdict.is_singular |= saddle == Ordering::Equal;
+        }
+        let row = self.resolved(verdict.joined);
+        // Where some corner has no finite value nothing is joined in the interior.
+        if row.discs.len() > 1 && self.known == u8::MAX {
+            self.look_inside(axis, row, &mut verdict);
+        }
+        verdict
+    }
+
+    /// How the value at the saddle of an ambiguous face compares with the isovalue.
+    ///
+    /// A corner that is outside without a finite value is infinitely low, and keeps the inside apart;
+    /// where there is none, one inside that is infinite joins it.
+    fn saddle(&self, face: Face) -> Ordering {
+        let mut corners = face.corners().map(|k| k.index());
+        if !self.is_inside(corners[0]) {
+            corners.rotate_left(1);
+        }
+        let is_known = |k: usize| self.known >> k & 1 == 1;
+        let [a, b, c, d] = corners;
+        if !(is_known(b) && is_known(d)) {
+            return Ordering::Less;
+        }
+        if !(is_known(a) && is_known(c)) {
+            return Ordering::Greater;
+        }
+        ask(&Saddle, corners.map(|k| self.values[k]))
+    }
+
+    fn look_inside(&self, axis: usize, row: &Resolved, verdict: &mut Verdict) {
+        let Some(body) = ask(&Interior { axis }, self.values) else { return };
+        verdict.is_singular |= body.value == Ordering::Equal;
+        let low = around(axis);
+        let ends = [low[body.first], low[body.first + 2]].map(|k| {
+            // One end of the edge, at least, is on the side that the edge is on at the maximum.
+            if self.is_inside(k) == body.is_inside { k } else { k | 1 << axis }
+        });
+        let [a, c] = ends;
+        if body.joins() && row.regions[a] != row.regions[c] {
+            verdict.tunnel = Some(ends.map(|k| k as u8));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,281 @@
+//! Trilinear topology against the certified oracle: what the surface connects, cell by cell and as a whole.
+//!
+//! `CELLS=1000000 cargo nextest run -p isokit-tests --test trilinear` looks at so many cells, and at a
+//! hundredth as many volumes.
+
+use isokit::{
+    geom::Frame,
+    job::Job,
+    marching_cubes::{
+        Boundary, Degenerate, ExtractOptions, Extracted, Nan, Topology, extract, extract_into,
+    },
+    mesh::{Precision, TriMesh},
+    volume::{Grid, Sample, Volume},
+};
+use isokit_tests::{
+    certified::{self, Class},
+    chance::Chance,
+    check::{Census, assert_closed, assert_sound, sides_of},
+};
+use std::{collections::BTreeMap, env};
+
+fn trilinear(boundary: Boundary) -> ExtractOptions {
+    ExtractOptions::DEFAULT.with_topology(Topology::Trilinear).with_boundary(boundary)
+}
+
+fn volume<T: Sample>(dims: [usize; 3], samples: impl IntoIterator<Item = T>) -> Volume<T> {
+    let grid = Grid::new(dims.map(|n| n as u64), Frame::default()).unwrap();
+    Volume::new(grid, samples.into_iter().collect()).unwrap()
+}
+
+fn surface<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> TriMesh {
+    extract(&volume.view(), iso, options, &Job::default()).unwrap()
+}
+
+fn told<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> Extracted {
+    let mut mesh = TriMesh::default();
+    extract_into(&volume.view(), iso, options, &mut mesh.refill(), &Job::default()).unwrap()
+}
+
+/// How many cells are looked at, where it is so many by default.
+fn cells(default: usize) -> usize {
+    env::var("CELLS").map_or(default, |cells| cells.parse().expect("CELLS is a number"))
+}
+
+/// The pieces of a mesh: to which each vertex belongs, and the Euler characteristic of each.
+fn pieces(mesh: &TriMesh) -> (Vec<usize>, BTreeMap<usize, i64>) {
+    let mut piece: Vec<usize> = (0..mesh.positions.len()).collect();
+    fn root(piece: &mut [usize], mut v: usize) -> usize {
+        while piece[v] != v {
+            piece[v] = piece[piece[v]];
+            v = piece[v];
+        }
+        v
+    }
+    let sides = || mesh.triangles.iter().flat_map(|&triangle| sides_of(triangle));
+    for [a, b] in sides() {
+        let [a, b] = [a, b].map(|v| root(&mut piece, v as usize));
+        piece[a] = b;
+    }
+    let piece: Vec<usize> = (0..piece.len()).map(|v| root(&mut piece, v)).collect();
+    let mut eulers = BTreeMap::new();
+    let mut add = |v: usize, count: i64| *eulers.entry(piece[v]).or_insert(0) += count;
+    (0..piece.len()).for_each(|v| add(v, 1));
+    mesh.triangles.iter().for_each(|triangle| add(triangle[0] as usize, 1));
+    let mut each: Vec<_> = sides().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    each.sort_unstable();
+    each.dedup();
+    each.iter().for_each(|side| add(side[0] as usize, -1));
+    (piece, eulers)
+}
+
+/// The patches of the surface of a single cell: the Euler characteristic and the cell edges of each.
+fn patches(mesh: &TriMesh) -> Vec<(Vec<usize>, i64)> {
+    let (piece, eulers) = pieces(mesh);
+    let mut edges: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (v, place) in mesh.positions.iter().enumerate() {
+        let within: Vec<usize> = (0..3).filter(|&k| place[k] != place[k].round()).collect();
+        match within[..] {
+            [axis] => {
+                let others = (0..3).filter(|&k| k != axis).enumerate();
+                let number: usize = others.map(|(n, k)| (place[k] as usize) << n).sum();
+                edges.entry(piece[v]).or_default().push(4 * axis + number);
+            }
+            [_, _, _] => {}
+            _ => panic!("{place:?} lies in a face"),
+        }
+    }
+    let mut patches: Vec<_> = eulers
+        .iter()
+        .map(|(piece, &euler)| {
+            let mut edges = edges.remove(piece).expect("no patch is all within the cell");
+            edges.sort_unstable();
+            (edges, euler)
+        })
+        .collect();
+    patches.sort_unstable();
+    patches
+}
+
+#[track_caller]
+fn check_cell(corners: [i64; 8]) {
+    let Some(expected) = certified::cell(corners) else { panic!("{corners:?} is undecided") };
+    let mut expected: Vec<_> = expected.patches.into_iter().map(|p| (p.edges, p.euler)).collect();
+    expected.sort_unstable();
+    let mesh = surface(&volume([2; 3], corners.map(|c| c as f64)), 0.0, &trilinear(Boundary::Open));
+    assert_eq!(patches(&mesh), expected, "{corners:?}");
+    assert_sound(&mesh);
+}
+
+#[test]
+fn every_code_of_a_cell_has_the_patches_that_are_certified() {
+    let mut chance = Chance::new(1);
+    for reach in [2, 4, 50, 1 << 20] {
+        for code in 0..256 {
+            for _ in 0..cells(10_000) / 1000 {
+                check_cell(certified::random_with_code(code, reach, &mut chance));
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_by_chance_with_and_without_ties_have_the_patches_that_are_certified() {
+    let mut chance = Chance::new(2);
+    for n in 0..cells(10_000) {
+        let reach = [2, 3, 5, 1000, 1 << 24][n % 5];
+        check_cell(certified::random(reach, &mut chance));
+    }
+}
+
+/// Cells with a tunnel are rare by chance; two far corners against the rest have one often.
+#[test]
+fn cells_with_tunnels_have_the_patches_that_are_certified() {
+    let mut chance = Chance::new(3);
+    let (mut tunnels, mut classes) = (0, BTreeMap::new());
+    for n in 0..cells(10_000) {
+        let mut corners = certified::random([3, 9, 500][n % 3], &mut chance);
+        let far = n % 8;
+        for (k, value) in corners.iter_mut().enumerate() {
+            let large = if k == far || k == 7 - far { 4 } else { 1 };
+            *value = if n % 2 == 0 { large * value.abs() } else { -large * value.abs() };
+            if large == 1 && chance.below(5) > 0 {
+                *value = -*value;
+            }
+        }
+        check_cell(corners);
+        let class = Class::of(corners).unwrap();
+        tunnels += class.tunnels;
+        *classes.entry(class).or_insert(0) += 1;
+    }
+    assert!(tunnels > cells(10_000) / 100, "{tunnels} tunnels in {} classes", classes.len());
+}
+
+#[track_caller]
+fn check_volume(dims: [usize; 3], samples: &[i64]) {
+    let made = volume(dims, samples.iter().map(|&sample| sample as f32));
+    let eulers = |boundary| {
+        let mesh = surface(&made, 0.0, &trilinear(boundary));
+        assert_sound(&mesh);
+        let mut eulers: Vec<i64> = pieces(&mesh).1.into_values().collect();
+        eulers.sort_unstable();
+        eulers
+    };
+    assert_eq!(Some(eulers(Boundary::Open)), certified::volume(dims, samples), "{samples:?}");
+    let (larger, enclosed) = certified::enclosed(dims, samples);
+    assert_eq!(Some(eulers(Boundary::Closed)), certified::volume(larger, &enclosed), "{samples:?}");
+}
+
+#[test]
+fn volumes_by_chance_have_the_pieces_that_are_certified() {
+    let mut chance = Chance::new(4);
+    for n in 0..cells(10_000) / 100 {
+        let dims = [3 + n % 4, 3 + n / 4 % 3, 5];
+        let reach = [2, 4, 2000][n % 3];
+        let samples: Vec<i64> =
+            (0..dims.iter().product()).map(|_| certified::random(reach, &mut chance)[0]).collect();
+        check_volume(dims, &samples);
+        let odd: Vec<i64> = samples.iter().map(|sample| 2 * sample + 1).collect();
+        check_volume(dims, &odd);
+    }
+}
+
+/// scikit-image 8109 and its like: a saddle on the isovalue, in a face or in the interior.
+#[test]
+fn ties_of_saddles_have_the_pieces_that_are_certified_and_are_counted() {
+    check_volume([2, 2, 3], &[13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1]);
+    let face = [1, -1, -1, 1, -1, -1, -1, -1];
+    let body = [3, -1, -1, -1, -1, -1, -1, 3];
+    for (samples, singular) in [(face, 1), (body, 1), ([2, -1, -1, 1, -1, -1, -1, -1], 0)] {
+        check_volume([2; 3], &samples);
+        check_volume([2; 3], &samples.map(|sample| -sample));
+        let made = volume([2; 3], samples.map(|sample| sample as i8));
+        assert_eq!(told(&made, 0.0, &trilinear(Boundary::Open)).singular_cells, singular);
+        let table = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+        assert_eq!(told(&made, 0.0, &table).singular_cells, 0, "which does not ask");
+    }
+}
+
+/// One sample of a kind, from any 64 bits.
+fn by_chance<T: Sample>(seed: u64, sample: fn(u64) -> T, iso: f64) {
+    let mut chance = Chance::new(seed);
+    let dims = [5 + seed as usize % 5, 5 + seed as usize / 2 % 5, 5 + seed as usize / 3 % 5];
+    let count = dims.iter().product::<usize>();
+    let made = volume(dims, (0..count).map(|_| sample(chance.bits())));
+    for precision in [Precision::F32, Precision::F64] {
+        let closed = trilinear(Boundary::Closed).with_precision(Some(precision));
+        let mesh = surface(&made, iso, &closed);
+        assert!(assert_closed(&mesh).volume > 0.0 || mesh.triangles.is_empty());
+        assert_sound(&surface(&made, iso, &closed.clone().with_boundary(Boundary::Open)));
+        // A border around cells that are left out may touch itself in a vertex.
+        let masked = Census::of(&surface(&made, iso, &closed.with_nan(Nan::Mask)));
+        assert_eq!(masked.faults(), masked.pinched_vertices, "{masked:?}");
+    }
+    let exact = trilinear(Boundary::Closed).with_degenerate(Degenerate::Exact);
+    let census = Census::of(&surface(&made, iso, &exact));
+    assert_eq!((census.faults_of_topology(), census.boundary_sides), (0, 0));
+}
+
+#[test]
+fn volumes_of_all_eight_types_are_closed_and_manifold() {
+    for seed in 0..40 {
+        by_chance(seed, |r| r as u8, 127.5);
+        by_chance(seed, |r| (r % 7) as i8 - 3, 0.0);
+        by_chance(seed, |r| (r % 5) as u16, 2.0);
+        by_chance(seed, |r| r as i16 | 1, 0.0);
+        by_chance(seed, |r| r as u32, 2_147_483_648.25);
+        by_chance(seed, |r| (r % 3) as i32 * (i32::MAX / 2), 1_000_000_000.1);
+        by_chance(seed, |r| f32::from_bits(r as u32), 0.0);
+        by_chance(seed, |r| (r % 1000) as f32 * 1e-3 - 0.5, 0.1);
+        by_chance(seed, f64::from_bits, 0.0);
+        by_chance(seed, f64::from_bits, 1e308);
+        by_chance(seed, |r| f64::from_bits(r % 5), 1e-323);
+        by_chance(seed, |r| [f64::NAN, 1.0, -1.0, f64::INFINITY, -0.5, 2.0][r as usize % 6], 0.0);
+    }
+}
+
+#[test]
+fn where_every_cell_is_simple_the_bytes_are_those_of_the_table() {
+    let ball = |[x, y, z]: [usize; 3]| {
+        let square = [x, y, z].map(|c| (c as f32 - 9.3).powi(2)).iter().sum::<f32>();
+        8.0 - square.sqrt()
+    };
+    let places = (0..20 * 20 * 20).map(|n| [n % 20, n / 20 % 20, n / 400]);
+    let made = volume([20; 3], places.map(ball));
+    for boundary in [Boundary::Closed, Boundary::Open] {
+        let table = ExtractOptions::DEFAULT.with_boundary(boundary);
+        for iso in [0.0, 1.0, 5.5] {
+            assert_eq!(surface(&made, iso, &trilinear(boundary)), surface(&made, iso, &table));
+        }
+    }
+}
+
+/// Rotations keep all; reflections too, though the mesh is another.
+#[test]
+fn pieces_are_the_same_seen_from_48_sides() {
+    let mut chance = Chance::new(6);
+    let samples: Vec<i64> = (0..343).map(|_| chance.below(9) as i64 - 4).collect();
+    let pieces_of = |order: [usize; 3], mirror: usize| {
+        let place = |n: usize| {
+            let to = [n % 7, n / 7 % 7, n / 49];
+            let from = |axis: usize| {
+                let c = to[order[axis]];
+                if mirror >> axis & 1 == 1 { 6 - c } else { c }
+            };
+            samples[from(0) + 7 * from(1) + 49 * from(2)] as f32
+        };
+        let made = volume([7; 3], (0..343).map(place));
+        let singular = told(&made, 0.0, &trilinear(Boundary::Closed)).singular_cells;
+        let mesh = surface(&made, 0.0, &trilinear(Boundary::Closed));
+        let mut eulers: Vec<i64> = pieces(&mesh).1.into_values().collect();
+        eulers.sort_unstable();
+        (eulers, singular)
+    };
+    let expected = pieces_of([0, 1, 2], 0);
+    assert!(expected.1 > 10, "{} singular cells show little", expected.1);
+    for order in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
+        for mirror in 0..8 {
+            assert_eq!(pieces_of(order, mirror), expected, "{order:?}, {mirror}");
+        }
+    }
+}
