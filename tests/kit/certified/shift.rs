@@ -100,3 +100,30 @@ fn gap([a, b]: [i128; 2], [c, d]: [i128; 2]) -> Option<f64> {
 fn gcd(a: i128, b: i128) -> i128 {
     if b == 0 { a.abs() } else { gcd(b, a % b) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{bound, gap};
+
+    #[test]
+    fn a_gap_is_close_below_the_difference_and_0_only_where_there_is_none() {
+        let large = 1 << 80;
+        assert_eq!(gap([3, 5], [-5, -3]), Some(0.0));
+        assert!((22.999..=23.0).contains(&gap([7, 5], [4, 3]).unwrap()));
+        let half = 2_f64.powi(159);
+        let found = gap([large, large], [large, large / 2]).unwrap();
+        assert!((half * (1.0 - 1e-11)..=half).contains(&found));
+        assert_eq!(gap([large, large], [large, large - 1]), None, "it does not show in an f64");
+        assert_eq!(gap([large, large], [large, large]), None);
+    }
+
+    #[test]
+    fn a_bound_is_above_1_over_the_nearest_critical_value_below() {
+        // The saddles of the faces are −1/20 and 1/28, those of the inside 0 and −1/9.
+        let found = bound(&[-9, 7, 7, -5, 7, -5, -5, 3]).unwrap();
+        assert!(found.singular && (10..100).contains(&found.scale), "{}", found.scale);
+        // One face has a saddle of −1/12.
+        let found = bound(&[4, -3, -3, 2, 9, 9, 9, 9]).unwrap();
+        assert!((13..100).contains(&found.scale) && !found.singular, "{}", found.scale);
+    }
+}

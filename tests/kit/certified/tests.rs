@@ -2,7 +2,7 @@
 
 use super::{Cell, Patch, brute::brute, cell, code, face_joins, random, random_with_code, volume};
 use crate::chance::Chance;
-use isokit::geom::cube::{Corner, Edge};
+use isokit::geom::cube::{Corner, Edge, Face};
 use std::collections::BTreeSet;
 
 /// Which corner of a turned or mirrored cell is at corner `k`, for each of the 48 symmetries of the cube.
@@ -166,6 +166,56 @@ fn singular_faces_are_decided_and_join_their_inside() {
         assert!(joined, "{corners:?}");
         assert_eq!(Some(found), cell(corners.map(|v| 3 * v)), "{corners:?}");
     }
+}
+
+/// The field xyz − x − y − z − 2 for x, y, z from −12 to 10, less its factor 242: its saddles are 0 at −1
+/// and −1/60.5 at 1, so that no infinitesimal is above that.
+#[test]
+fn a_body_saddle_of_0_is_decided_beside_another_just_below() {
+    let corners = [-7, 6, 6, -5, 6, -5, -5, 4];
+    let found = cell(corners);
+    assert!(found.is_some());
+    for scale in [61, 1009, 1 << 40] {
+        assert_eq!(found, cell(corners.map(|v| v * scale + 1)), "{scale}");
+    }
+    assert_ne!(found, cell(corners.map(|v| v * 60 + 1)));
+}
+
+#[test]
+fn a_face_joins_its_inside_or_its_outside() {
+    let mut chance = Chance::new(7);
+    let mut ties = 0;
+    for reach in [2, 4, 1000].repeat(3000) {
+        let corners = random(reach, &mut chance);
+        let regions = cell(corners).unwrap().regions;
+        for (f, joins) in face_joins(corners).into_iter().enumerate() {
+            let Some(inside) = joins else { continue };
+            let ends = Face::new(f as u8).corners().map(Corner::index);
+            let diagonal = |from: usize| [ends[from], ends[from + 2]];
+            let from = usize::from((corners[ends[0]] >= 0) != inside);
+            let joined =
+                regions.iter().find(|region| region.corners.contains(&ends[from])).unwrap();
+            assert!(joined.corners.contains(&diagonal(from)[1]), "{corners:?}, face {f}");
+            let [[a, c], [b, d]] = [diagonal(0), diagonal(1)].map(|d| d.map(|k| corners[k]));
+            ties += usize::from(a * c == b * d);
+        }
+    }
+    assert!(ties > 100, "{ties}");
+}
+
+#[test]
+fn a_checkerboard_is_one_to_four_discs_or_a_disc_and_a_tunnel() {
+    let mut chance = Chance::new(8);
+    let mut kinds = BTreeSet::new();
+    for code in [0x69, 0x96].repeat(2000) {
+        let patches = cell(random_with_code(code, 1000, &mut chance)).unwrap().patches;
+        let mut kind: Vec<_> = patches.iter().map(|p| (p.edges.len(), p.euler)).collect();
+        kind.sort_unstable();
+        kinds.insert(kind);
+    }
+    let expected: [&[(usize, i64)]; 5] =
+        [&[(12, 1)], &[(3, 1), (9, 1)], &[(3, 1), (3, 1), (6, 1)], &[(3, 1); 4], &[(3, 1), (9, 0)]];
+    assert_eq!(kinds, expected.map(|kind| kind.to_vec()).into());
 }
 
 #[test]
