@@ -4,7 +4,7 @@ use crate::{
     case::{CASES, CASES_TURNED},
     layout::Layout,
     planes::Planes,
-    vertex::Placement,
+    vertex::Placer,
 };
 use isokit_geom::Frame;
 use isokit_job::{Cancelled, Job};
@@ -40,7 +40,7 @@ impl Winding {
 pub(crate) struct Fill<'a, T> {
     pub(crate) planes: &'a Planes,
     pub(crate) layout: &'a Layout,
-    pub(crate) placement: Placement<'a, T>,
+    pub(crate) placer: Placer<'a, T>,
     pub(crate) winding: Winding,
 }
 
@@ -193,7 +193,7 @@ impl<T: Sample> Fill<'_, T> {
     fn flush<C: Coordinate>(&self, queue: &mut Queue, room: &mut Room<'_, C>) {
         let Queue { edges, odd } = queue;
         let Room { positions, normals } = room.split_off(edges.len());
-        self.placement.place(edges, positions, normals, odd);
+        self.placer.place(edges, positions, normals, odd);
         edges.clear();
     }
 
@@ -205,7 +205,7 @@ impl<T: Sample> Fill<'_, T> {
             // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time:
             // all others were looked at before.
             let row = left.partition_point(|word| word.row <= y);
-            self.placement.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
+            self.placer.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
             left = &left[row..];
             // Where there is no next row there are no cells either.
             let row = |dy: usize, dz: usize| self.layout.row(lattice, (y + dy).min(last), z + dz);

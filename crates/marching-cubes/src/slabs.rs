@@ -21,7 +21,7 @@ use crate::{
     fill::{Fill, Winding},
     layout::{Layout, Part},
     planes::{Lattice, Planes},
-    vertex::Placement,
+    vertex::Placer,
 };
 use isokit_job::{Job, OverLimit};
 use isokit_mesh::{Counts, MeshSink, MeshSinks, Precision};
@@ -172,9 +172,10 @@ impl Making<'_> {
             return Ok(()); // only to count it
         }
         let first_slice = window.first() as f64;
-        let placement = Placement::new(view, surface.iso, self.precision.1, first_slice);
+        let placer = Placer::new(view, surface.iso, self.precision.1, first_slice)
+            .with_placement(self.slabs.options.placement);
         let winding = Winding::of(view.frame());
-        let fill = Fill { planes, layout: &layout, placement, winding };
+        let fill = Fill { planes, layout: &layout, placer, winding };
         let mut slices = part.slices;
         while !slices.is_empty() {
             let next = self.piece(&layout, &slices, sink.wants_normals())?;
