@@ -1,8 +1,8 @@
 //! A volume that is larger than memory: a window of slices goes over it, and the surface follows.
 //!
-//! In the window lie the slices whose surface is made, and those that it looks at: one below and two
-//! above, since an edge between the last slice and the next needs the gradient at its upper end. What is
-//! made of a window is the part of the whole surface that belongs to its slices, with the same numbers
+//! In the window lie the slices whose surface is made, and those that it looks at: with linear placement one
+//! below and two above, since an edge between the last slice and the next needs the gradient at its upper
+//! end; with another so many more as its stencils are longer. What is made of a window is the part of the whole surface that belongs to its slices, with the same numbers
 //! and the same bits: vertices are numbered slice by slice anyway, and places are worked out from the
 //! slice's number in the volume. Beyond the ends of a window that are no ends of the volume the lattice
 //! has guards like everywhere, but no slice that is made looks so far.
@@ -39,9 +39,6 @@ pub struct Slabs<'a> {
     /// How much is in memory.
     pub budget: Budget,
 }
-
-/// The slice whose surface is made, the one below, and two above.
-pub const LEAST_WINDOW: usize = 4;
 
 /// The surfaces where the value is one of several isovalues, from one pass over the slices of a volume.
 /// Each is handed to its sink in pieces, which together are the surface that

@@ -6,8 +6,8 @@
 //! Everything is f64 until the position is whole; then it is rounded once.
 //!
 //! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge (`line`),
-//! and cross the polynomial through them (`curve`), where it is fit to be crossed. Elsewhere a vertex and
-//! its normal are those of linear interpolation.
+//! and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
+//! that of linear interpolation. Normals of the same order need no more than finite samples.
 
 mod curve;
 mod line;
@@ -99,9 +99,13 @@ impl<'a, T: Sample> Placer<'a, T> {
         }
         for n in 0..edges.len() {
             let (axis, low) = edges.get(n);
-            let Some(cut) = self.curved(axis, low) else { continue };
-            positions[n] = self.position(&cut);
+            let straight = self.cut(axis, low);
+            let curved = self.curved(&straight);
+            if let Some(cut) = &curved {
+                positions[n] = self.position(cut);
+            }
             if let Some(normals) = &mut normals {
+                let cut = curved.unwrap_or(straight);
                 normals[n] = self.curved_normal(&cut).unwrap_or_else(|| self.normal(&cut));
             }
         }
@@ -133,9 +137,8 @@ impl<'a, T: Sample> Placer<'a, T> {
     }
 
     /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.
-    fn curved(&self, axis: usize, low: [u32; 3]) -> Option<Cut> {
-        let cut = self.cut(axis, low);
-        let [Some(ijk), Some(_)] = cut.ends else { return None };
+    fn curved(&self, cut: &Cut) -> Option<Cut> {
+        let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let pairs = self.placement.pairs();
         let mut around = [0.0; MOST];
         let around = &mut around[..2 * pairs];
@@ -145,7 +148,7 @@ impl<'a, T: Sample> Placer<'a, T> {
         });
         let curve = Curve::through(around)?;
         let delta = curve.crossing(delta(cut.values, self.field.iso));
-        Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..cut })
+        Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..*cut })
     }
 
     /// The position of a cut in world space.
@@ -201,7 +204,7 @@ impl<'a, T: Sample> Placer<'a, T> {
     /// order as the curve's at the samples around the edge, and between those what the curve through them
     /// is. None where one is not finite or all are 0.
     fn curved_normal(&self, cut: &Cut) -> Option<[f32; 3]> {
-        let (Some(ijk), axis) = (cut.ends[0], cut.axis) else { return None };
+        let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let (pairs, dims) = (self.placement.pairs(), self.view.dims());
         let first = |at: usize, more: usize| at as isize + more as isize - pairs as isize;
         let mut gradient = [0.0; 3];

@@ -1,8 +1,9 @@
 //! The pieces joined against the surface in memory, bit by bit.
 
-use super::{Budget, LEAST_WINDOW, Making, Slabs, Surface, Window, extract_slabs, precision};
+use super::{Budget, Making, Slabs, Surface, Window, extract_slabs, precision};
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, SlabError, extract, extract_into,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, SlabError, extract,
+    extract_into,
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Stopped};
@@ -30,7 +31,8 @@ fn check<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) 
     let expected: Result<Vec<TriMesh>, _> =
         isos.iter().map(|&iso| extract(&volume.view(), iso, options, &job)).collect();
     let least = greatest_slice(volume.grid());
-    for window in LEAST_WINDOW..=volume.view().dims()[2].max(LEAST_WINDOW) {
+    let least_window = options.placement.least_window();
+    for window in least_window..=volume.view().dims()[2].max(least_window) {
         for piece_bytes in [least, 3 * least, u64::MAX] {
             let slabs = Slabs { isos, options, budget: Budget { window, piece_bytes } };
             let mut meshes = vec![TriMesh::with_normals(); isos.len()];
@@ -80,8 +82,10 @@ fn options() -> impl Strategy<Value = ExtractOptions> {
     let boundary = prop_oneof![Just(Boundary::Closed), Just(Boundary::Open)];
     let degenerate = prop_oneof![Just(Degenerate::Never), Just(Degenerate::Exact)];
     let nan = prop_oneof![Just(Nan::Outside), Just(Nan::Mask), Just(Nan::Error)];
-    (boundary, degenerate, nan).prop_map(|(boundary, degenerate, nan)| {
-        let options = ExtractOptions::DEFAULT.with_boundary(boundary);
+    let placement =
+        prop_oneof![Just(Placement::Linear), Just(Placement::Cubic), Just(Placement::Quintic)];
+    (boundary, degenerate, nan, placement).prop_map(|(boundary, degenerate, nan, placement)| {
+        let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_placement(placement);
         options.with_degenerate(degenerate).with_nan(nan)
     })
 }
@@ -98,10 +102,10 @@ fn frame() -> impl Strategy<Value = Frame> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig::with_cases(128))]
     #[test]
     fn for_every_height_of_the_window_the_pieces_are_the_surface(
-        dims in [1_u64..20, 1_u64..12, 1_u64..20],
+        dims in [1_u64..20, 1_u64..12, 1_u64..30],
         kind in 0..8, seed in any::<u64>(), options in options(), frame in frame(),
     ) {
         let grid = Grid::new(dims, frame).unwrap();
