@@ -2,7 +2,7 @@
 
 use super::{MeshTarget, Stream, TextTarget, palette};
 use crate::{
-    args::{ExtractArgs, LevelArg, PlacementArg, TopologyArg},
+    args::{ExtractArgs, LevelArg, TopologyArg},
     fault::UsageError,
 };
 use anyhow::Result;
@@ -58,11 +58,12 @@ impl ExtractPlan {
             let says = "mesh and report cannot both go to stdout: name a file for one of them";
             return Err(UsageError(says.into()).into());
         }
-        // One answer each, so far: a new one must be handed on here.
-        let (TopologyArg::Table, PlacementArg::Linear) = (args.topology, args.placement);
+        // One answer, so far: a new one must be handed on here.
+        let TopologyArg::Table = args.topology;
         let extract = ExtractOptions::DEFAULT
             .with_boundary(args.boundary.into())
             .with_degenerate(args.degenerate.into())
+            .with_placement(args.placement.into())
             .with_nan(args.nan.into());
         let surface =
             SurfaceOptions::default().with_extract(extract).with_normals(args.normals.into());
