@@ -14,7 +14,9 @@ mod line;
 
 use crate::Placement;
 use curve::Curve;
-use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
+use isokit_lanes::{
+    Coordinate, Crossings, Edges, Field, Samples, Vertices, Word, cubic_crossings, vertices,
+};
 use isokit_volume::{Sample, View, differences};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
@@ -68,16 +70,31 @@ impl<'a, T: Sample> Placer<'a, T> {
         Self { placement, ..self }
     }
 
-    /// Places the vertices of edges. Edges between samples go to the kernel; those to a guard, and those
-    /// that the kernel calls odd, are placed one by one. Then those are moved that lie on a curve.
+    /// Places the vertices of edges. Edges between samples go to the kernel of the placement, if it has one;
+    /// those to a guard, and those that the kernel calls odd, are placed one by one.
     pub(crate) fn place<C: Coordinate>(
+        &self,
+        edges: &Edges,
+        positions: &mut [[C; 3]],
+        normals: Option<&mut [[f32; 3]]>,
+        odd: &mut Vec<u32>,
+    ) {
+        odd.clear();
+        match self.placement {
+            Placement::Linear => self.place_straight(edges, positions, normals, odd),
+            Placement::Cubic | Placement::Quintic => {
+                self.place_curved(edges, positions, normals, odd);
+            }
+        }
+    }
+
+    fn place_straight<C: Coordinate>(
         &self,
         edges: &Edges,
         positions: &mut [[C; 3]],
         mut normals: Option<&mut [[f32; 3]]>,
         odd: &mut Vec<u32>,
     ) {
-        odd.clear();
         match &self.samples {
             Some(samples) => {
                 let normals = normals.as_deref_mut();
@@ -94,20 +111,37 @@ impl<'a, T: Sample> Placer<'a, T> {
                 normals[n] = self.normal(&cut);
             }
         }
-        if self.placement == Placement::Linear {
-            return;
+    }
+
+    fn place_curved<C: Coordinate>(
+        &self,
+        edges: &Edges,
+        positions: &mut [[C; 3]],
+        normals: Option<&mut [[f32; 3]]>,
+        odd: &mut Vec<u32>,
+    ) {
+        let mut deltas = vec![0.0; if normals.is_some() { edges.len() } else { 0 }];
+        match (&self.samples, self.placement) {
+            (Some(samples), Placement::Cubic) => {
+                let deltas = normals.is_some().then_some(&mut deltas[..]);
+                let out = Crossings { positions: &mut *positions, deltas, odd: &mut *odd };
+                cubic_crossings(samples, &self.field, edges, out);
+            }
+            _ => odd.extend(0..edges.len() as u32),
         }
-        for n in 0..edges.len() {
+        for n in odd.iter().map(|&n| n as usize) {
             let (axis, low) = edges.get(n);
             let straight = self.cut(axis, low);
-            let curved = self.curved(&straight);
-            if let Some(cut) = &curved {
-                positions[n] = self.position(cut);
+            let cut = self.curved(&straight).unwrap_or(straight);
+            positions[n] = self.position(&cut);
+            if normals.is_some() {
+                deltas[n] = cut.delta;
             }
-            if let Some(normals) = &mut normals {
-                let cut = curved.unwrap_or(straight);
-                normals[n] = self.curved_normal(&cut).unwrap_or_else(|| self.normal(&cut));
-            }
+        }
+        for (n, normal) in normals.into_iter().flatten().enumerate() {
+            let (axis, low) = edges.get(n);
+            let cut = Cut { delta: deltas[n], ..self.cut(axis, low) };
+            *normal = self.curved_normal(&cut).unwrap_or_else(|| self.normal(&cut));
         }
     }
 

@@ -19,11 +19,15 @@
 //! straight line. To ask for the first alone would cost an order: of the vertices of a smooth surface so
 //! many lie on edges along it that their errors, O(h²), would make O(h³) of the root mean square.
 
-/// Steps after which a root is taken as it is. The bracket halves in every second one at the least.
+/// Steps after which a root is taken as it is. Before, the bracket is down to nothing.
 const STEPS: usize = 96;
 
-/// A step so short ends the search: 2⁻⁴⁰ of an edge. Newton's error is then far below that.
-const SHORT: f64 = 1.0 / (1_u64 << 40) as f64;
+/// A step of Halley's so short ends the search: 2⁻¹⁴ of an edge. What is left falls with its cube, to 2⁻⁴²
+/// or so.
+const SHORT: f64 = 1.0 / (1_u64 << 14) as f64;
+
+/// And one so short if it halves the bracket.
+const SHORTEST: f64 = 1.0 / (1_u64 << 42) as f64;
 
 /// A polynomial of degree three or five that does not ring on the edge.
 #[derive(Clone, Copy, Debug)]
@@ -44,14 +48,14 @@ impl Curve {
         // Divided differences of the even parts, and of the odd parts over s, at u = 1/4, 9/4 and 25/4.
         let even = |pair: usize| (low(pair) + high(pair)) * 0.5;
         let odd = |pair: usize| (high(pair) - low(pair)) / (2 * pair + 1) as f64;
-        let rise = odd(0);
+        let scale = 1.0 / odd(0);
         let divided = |part: &dyn Fn(usize) -> f64| {
             let first = (part(1) - part(0)) * 0.5;
             let second = match pairs {
                 2 => 0.0,
                 _ => ((part(2) - part(1)) * 0.25 - first) / 6.0,
             };
-            [first / rise, second / rise]
+            [first * scale, second * scale]
         };
         let curve = Self { even: divided(&even), odd: divided(&odd) };
         curve.is_plain().then_some(curve)
@@ -98,32 +102,37 @@ impl Curve {
         rises || bends(1.0) || bends(-1.0)
     }
 
-    /// F and its derivative.
-    fn at(&self, s: f64, straight: f64) -> [f64; 2] {
+    /// F, its derivative, and half of its second derivative.
+    fn at(&self, s: f64, straight: f64) -> [f64; 3] {
         let u = s * s;
-        let (v, edge) = (u - 2.25, u - 0.25);
+        let (v, edge, twice) = (u - 2.25, u - 0.25, 2.0 * s);
         let ([a, a_u], [b, b_u]) = (self.even, self.odd);
         let (even, odd) = (a + v * a_u, b + v * b_u);
         let both = even + s * odd;
-        let rise = 1.0 + 2.0 * s * both + edge * (2.0 * s * a_u + (odd + 2.0 * u * b_u));
-        [(s - straight) + edge * both, rise]
+        // The derivative of A + s B, and half of its second.
+        let (steep, bend) = (odd + twice * (a_u + s * b_u), a_u + 3.0 * s * b_u);
+        [
+            (s - straight) + edge * both,
+            1.0 + twice * both + edge * steep,
+            both + twice * steep + edge * bend,
+        ]
     }
 
-    /// Where it is 0: Newton's method in a bracket, which is halved where a step would leave it or is no
-    /// half of the step before (Press et al. 2007, section 9.4).
+    /// Where it is 0: Halley's method in a bracket, which is halved where a step would leave it or is no
+    /// eighth of the step before (Press et al. 2007, sections 9.2 and 9.4).
     pub(super) fn crossing(&self, straight: f64) -> f64 {
         let (mut low, mut high) = (-0.5_f64, 0.5_f64);
-        let (mut s, mut last) = (straight, 1.0_f64);
+        let (mut s, mut last) = (straight, 4.0_f64);
         for _ in 0..STEPS {
-            let [value, rise] = self.at(s, straight);
+            let [value, slope, bend] = self.at(s, straight);
             low = if value <= 0.0 { s } else { low };
             high = if value >= 0.0 { s } else { high };
-            let newton = s - value / rise;
-            let is_good = newton >= low && newton <= high && 2.0 * (newton - s).abs() <= last;
-            let next = if is_good { newton } else { (low + high) * 0.5 };
+            let next = s - value * slope / (slope * slope - value * bend);
+            let is_good = next >= low && next <= high && 8.0 * (next - s).abs() <= last;
+            let next = if is_good { next } else { (low + high) * 0.5 };
             last = (next - s).abs();
             s = next;
-            if last <= SHORT {
+            if last <= if is_good { SHORT } else { SHORTEST } {
                 break;
             }
         }
@@ -133,7 +142,7 @@ impl Curve {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, SHORT};
+    use super::Curve;
     use crate::vertex::{delta, line};
     use proptest::prelude::*;
 
@@ -171,7 +180,7 @@ mod tests {
         let middle = values.len() / 2;
         let sign = (values[middle] - values[middle - 1]).signum();
         let at = |s: f64| line::between(values, s.clamp(-0.5, 0.5)) * sign;
-        let (before, after) = (at(s - 8.0 * SHORT), at(s + 8.0 * SHORT));
+        let (before, after) = (at(s - 1e-11), at(s + 1e-11));
         let unseen = 64.0 * f64::EPSILON * most;
         assert!(before <= unseen && after >= -unseen, "{values:?}: {before:e}, {after:e} at {s}");
         true
@@ -266,7 +275,7 @@ mod tests {
             let cube = |x: f64| 8.0 * x.powi(3) + 1e-6 * x;
             let values = [-1.5, -0.5, 0.5, 1.5].map(|x| cube(x) - iso);
             let found = Curve::through(&values).unwrap().crossing(straight(&values));
-            assert!((cube(found) - iso).abs() < 1e-14, "{found} for {iso}");
+            assert!((cube(found) - iso).abs() < 1e-11, "{found} for {iso}");
         }
     }
 
