@@ -141,7 +141,11 @@ impl<'a, T: Sample> Placer<'a, T> {
         for (n, normal) in normals.into_iter().flatten().enumerate() {
             let (axis, low) = edges.get(n);
             let cut = Cut { delta: deltas[n], ..self.cut(axis, low) };
-            *normal = self.curved_normal(&cut).unwrap_or_else(|| self.normal(&cut));
+            let curved = match self.placement {
+                Placement::Quintic => self.curved_normal::<3>(&cut),
+                _ => self.curved_normal::<2>(&cut),
+            };
+            *normal = curved.unwrap_or_else(|| self.normal(&cut));
         }
     }
 
@@ -237,24 +241,25 @@ impl<'a, T: Sample> Placer<'a, T> {
     /// The unit normal at a cut of a curve: against the gradient, whose parts are differences of as high an
     /// order as the curve's at the samples around the edge, and between those what the curve through them
     /// is. None where one is not finite or all are 0.
-    fn curved_normal(&self, cut: &Cut) -> Option<[f32; 3]> {
+    fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
-        let (pairs, dims) = (self.placement.pairs(), self.view.dims());
-        let first = |at: usize, more: usize| at as isize + more as isize - pairs as isize;
+        let (dims, weights) = (self.view.dims(), line::weights::<PAIRS>(cut.delta));
         let mut gradient = [0.0; 3];
         for (part, gradient) in gradient.iter_mut().enumerate() {
-            let mut around = [0.0; MOST];
-            let around = &mut around[..2 * pairs];
-            line::values(around, first(ijk[axis], 1), dims[axis], |i| {
+            let mut around = [[0.0; 2]; PAIRS];
+            let around = around.as_flattened_mut();
+            let first = ijk[axis] as isize + 1 - PAIRS as isize;
+            line::values(around, first, dims[axis], |i| {
                 let here = with(ijk, axis, i);
                 let mut across = [0.0; MOST + 1];
-                let across = &mut across[..=2 * pairs];
-                line::values(across, first(here[part], 0), dims[part], |j| {
+                let across = &mut across[..=2 * PAIRS];
+                let first = here[part] as isize - PAIRS as isize;
+                line::values(across, first, dims[part], |j| {
                     self.view.stored(with(here, part, j)).to_f64()
                 });
                 line::slope(across)
             });
-            *gradient = line::between(around, cut.delta) * self.field.slope;
+            *gradient = line::mean(around, &weights) * self.field.slope;
         }
         let is_finite = gradient.iter().all(|part| part.is_finite());
         is_finite.then(|| self.outward(gradient)).flatten()
@@ -281,6 +286,7 @@ impl<'a, T: Sample> Placer<'a, T> {
 }
 
 /// The same place but for one axis.
+#[inline(always)]
 fn with(mut ijk: [usize; 3], axis: usize, i: usize) -> [usize; 3] {
     ijk[axis] = i;
     ijk

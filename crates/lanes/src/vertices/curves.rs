@@ -5,7 +5,7 @@
 //! those that have it wait. Edges that are not between inner samples, or whose values are not finite, are
 //! called odd and left to the caller.
 
-use super::{Field, Kernel, wide};
+use super::{Batch, Field, Kernel, wide};
 use crate::{Coordinate, Edges, Lane, Level, Samples};
 use wide::{BATCH, Float, Plain, Wide};
 
@@ -114,8 +114,9 @@ impl<T: Lane> Kernel<'_, '_, T> {
         positions: &mut [[C; 3]; BATCH],
         deltas: Option<&mut [[f64; 3]; BATCH]>,
     ) -> u16 {
-        let batch = self.ends(wide, first);
-        if !(batch.is_inner && self.samples.is_near()) {
+        let mut batch = self.ends(wide, first);
+        let is_outer = if batch.is_inner { 0 } else { self.keep_inner(wide, &mut batch) };
+        if is_outer == u16::MAX || !self.samples.is_near() {
             return u16::MAX;
         }
         let strides = self.samples.strides();
@@ -144,7 +145,28 @@ impl<T: Lane> Kernel<'_, '_, T> {
             wide.interleave_f64([delta; 3], deltas);
         }
         let infinite = wide.f64(f64::INFINITY);
-        !(difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference))
+        is_outer | !(difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference))
+    }
+
+    /// Puts an edge that is an inner one in the place of those that are not; the bits of those.
+    #[inline(always)]
+    fn keep_inner<W: Wide>(&self, wide: W, batch: &mut Batch<W>) -> u16 {
+        let mut is_inner = u16::MAX;
+        for along in 0..3 {
+            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them.
+            let within = wide.u32(self.samples.dims()[along].saturating_sub(2));
+            for end in [batch.low[along], batch.high[along]] {
+                is_inner &= wide.less(end + wide.u32(u32::MAX), within);
+            }
+        }
+        if is_inner != 0 {
+            let kept = is_inner.trailing_zeros() as usize;
+            let [low, high] = [&mut batch.low, &mut batch.high];
+            for numbers in low.iter_mut().chain(high).chain([&mut batch.axis]) {
+                *numbers = wide.select(is_inner, *numbers, wide.u32(wide.store(*numbers)[kept]));
+            }
+        }
+        !is_inner
     }
 }
 

@@ -11,12 +11,20 @@ const MOST: usize = 7;
 
 /// The values on a line from index `first` on, as many as there is room for. `value` tells them from 0 to
 /// `size`; beyond, the line is continued.
-pub(super) fn values(
-    out: &mut [f64],
-    first: isize,
-    size: usize,
-    mut value: impl FnMut(usize) -> f64,
-) {
+#[inline(always)]
+pub(super) fn values(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
+    if first >= 0 && first as usize + out.len() <= size {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = value(first as usize + n);
+        }
+        return;
+    }
+    continued(out, first, size, value);
+}
+
+/// The same where some of the values are beyond the line.
+#[cold]
+fn continued(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
     let held = out.len().min(size);
     let base = first.clamp(0, (size - held) as isize) as usize;
     // The samples nearest to the stencil, which hold all of it that the line has.
@@ -53,6 +61,7 @@ fn before(near: &mut [f64]) -> f64 {
 
 /// The derivative in the middle of an odd number of values, per step, to the order of the steps between
 /// the outermost: central differences (Fornberg 1988).
+#[inline(always)]
 pub(super) fn slope(values: &[f64]) -> f64 {
     let middle = values.len() / 2;
     let across = |steps: usize| values[middle + steps] - values[middle - steps];
@@ -62,22 +71,35 @@ pub(super) fn slope(values: &[f64]) -> f64 {
     }
 }
 
-/// What an even number of values around an edge is at `s` steps from its middle: the polynomial through all
-/// of them (Lagrange), with values at either hand summed in pairs so that a mirror changes no bit.
-pub(super) fn between(values: &[f64], s: f64) -> f64 {
-    let pairs = values.len() / 2;
+/// The weights of an even number of values around an edge in what the polynomial through all of them is at
+/// `s` steps from its middle (Lagrange): of the nearest pair, lower and upper, then of the next.
+#[inline(always)]
+pub(super) fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
     let place = |pair: usize| pair as f64 + 0.5;
-    let mut sum = 0.0;
-    for pair in 0..pairs {
+    std::array::from_fn(|pair| {
         let mut weight = 0.5 / place(pair);
-        for other in (0..pairs).filter(|&other| other != pair) {
+        for other in (0..PAIRS).filter(|&other| other != pair) {
             let (own, other) = (place(pair) * place(pair), place(other) * place(other));
             weight *= (s * s - other) / (own - other);
         }
-        let (low, high) = (values[pairs - 1 - pair], values[pairs + pair]);
-        sum += low * (weight * (place(pair) - s)) + high * (weight * (place(pair) + s));
+        [weight * (place(pair) - s), weight * (place(pair) + s)]
+    })
+}
+
+/// The sum of values around an edge by their weights, in pairs, so that a mirror changes no bit.
+#[inline(always)]
+pub(super) fn mean<const PAIRS: usize>(values: &[f64], weights: &[[f64; 2]; PAIRS]) -> f64 {
+    let pair = |n: usize| values[PAIRS - 1 - n] * weights[n][0] + values[PAIRS + n] * weights[n][1];
+    (1..PAIRS).fold(pair(0), |sum, n| sum + pair(n))
+}
+
+/// What the polynomial through four or six values around an edge is at `s` steps from its middle.
+#[cfg(test)]
+pub(super) fn between(values: &[f64], s: f64) -> f64 {
+    match values.len() {
+        4 => mean::<2>(values, &weights(s)),
+        _ => mean::<3>(values, &weights(s)),
     }
-    sum
 }
 
 #[cfg(test)]
