@@ -2,8 +2,8 @@
 """Extracts the fixtures with every set of vector instructions and compares the files.
 
 `ISOKIT_SIMD` holds a process to one set; the report says whether the machine has it. Each fixture is
-tried as it is and, converted by numpy, as samples of all eight types, with both borders, on one
-thread and on two. The portable path's PLY is what all others must be, byte for byte.
+tried as it is and, converted by numpy, as samples of all eight types, with both borders, with vertices
+on straight lines and on curves, on one thread and on two. The portable path's PLY is what all others must be, byte for byte.
 """
 
 import argparse
@@ -52,12 +52,13 @@ def main() -> int:
     tally = Tally("check_levels", quiet=True)
     with tempfile.TemporaryDirectory() as name:
         out = Path(name, "out.ply")
-        for (volume, iso), border in product(volumes(Path(name)), ("closed", "open")):
-            same = ("--boundary", border, "--threads")
+        choices = product(volumes(Path(name)), ("closed", "open"), ("linear", "cubic"))
+        for (volume, iso), border, placement in choices:
+            same = ("--boundary", border, "--placement", placement, "--threads")
             expected = written(isokit, volume, iso, out, "portable", *same, "1")
-            tally.check(volume.name, f"{border}: has a surface", len(expected) > 1000)
+            tally.check(volume.name, f"{border}, {placement}: has a surface", len(expected) > 1000)
             for level, threads in product(LEVELS, ("1", "2")):
-                subject = f"{volume.name}, {border}, {level}, {threads} threads"
+                subject = f"{volume.name}, {border}, {placement}, {level}, {threads} threads"
                 found = written(isokit, volume, iso, out, level, *same, threads)
                 if found:
                     tally.check(subject, "the same bytes", found == expected)

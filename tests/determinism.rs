@@ -3,7 +3,7 @@
 use isokit::{
     geom::{Affine, Frame},
     job::{Job, Threads},
-    marching_cubes::{Boundary, ExtractOptions, Nan, Topology, extract, extract_into},
+    marching_cubes::{Boundary, ExtractOptions, Nan, Placement, Topology, extract, extract_into},
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
@@ -28,13 +28,16 @@ fn volume(dims: [u64; 3]) -> Volume<f32> {
     Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
 }
 
-fn options() -> [ExtractOptions; 4] {
-    let default = ExtractOptions::DEFAULT;
+fn options() -> [ExtractOptions; 7] {
+    let default = || ExtractOptions::DEFAULT;
     [
-        default.clone(),
-        default.clone().with_boundary(Boundary::Open),
-        default.clone().with_nan(Nan::Mask),
-        default.with_topology(Topology::Trilinear),
+        default(),
+        default().with_boundary(Boundary::Open),
+        default().with_nan(Nan::Mask),
+        default().with_placement(Placement::Cubic),
+        default().with_placement(Placement::Quintic).with_boundary(Boundary::Open),
+        default().with_topology(Topology::Trilinear),
+        default().with_topology(Topology::Trilinear).with_placement(Placement::Cubic),
     ]
 }
 
@@ -135,17 +138,20 @@ fn a_mirrored_volume_has_its_vertices_at_mirrored_places() {
     let there = View::new(plain.samples(), &grid).unwrap();
     let strides = [-1, nx, nx * ny];
     let back = View::strided(plain.samples(), nx as usize - 1, strides, &grid).unwrap();
-    let places = |view: &View<'_, f32>, mirror: f64| {
+    let places = |view: &View<'_, f32>, mirror: f64, placement| {
         let options = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+        let options = options.with_placement(placement);
         let mesh = extract(view, 0.1, &options, &Job::default()).unwrap();
         let at = |[x, y, z]: [f64; 3]| [(nx - 1) as f64 * mirror + x * (1.0 - 2.0 * mirror), y, z];
         let mut places: Vec<_> = mesh.positions.iter().map(at).collect();
         places.sort_by(|a, b| a.partial_cmp(b).unwrap());
         places
     };
-    let (there, back) = (places(&there, 0.0), places(&back, 1.0));
-    assert!(nz > 1 && there.len() == back.len() && there.len() > 1000);
-    // The cut itself is the same; the place, a sum with the sample's number, may round differently.
-    let off = there.iter().flatten().zip(back.iter().flatten()).map(|(a, b)| (a - b).abs());
-    assert!(off.fold(0.0, f64::max) <= 4.0e-6);
+    for placement in [Placement::Linear, Placement::Cubic, Placement::Quintic] {
+        let (there, back) = (places(&there, 0.0, placement), places(&back, 1.0, placement));
+        assert!(nz > 1 && there.len() == back.len() && there.len() > 1000);
+        // The cut itself is the same; the place, a sum with the sample's number, may round differently.
+        let off = there.iter().flatten().zip(back.iter().flatten()).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) <= 4.0e-6);
+    }
 }

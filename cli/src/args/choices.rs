@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use isokit::{
     io::Format,
-    marching_cubes::{Boundary, Degenerate, Nan, Topology},
+    marching_cubes::{Boundary, Degenerate, Nan, Placement, Topology},
     pipeline::{Normals, TargetSpace},
 };
 
@@ -35,9 +35,13 @@ pub(crate) enum TopologyArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlacementArg {
-    /// Where the straight line between two samples has the value
+    /// Where the straight line between two samples has the value: error O(h^2)
     #[default]
     Linear,
+    /// Where the cubic through the four nearest samples in line has it, with normals as good: O(h^4)
+    Cubic,
+    /// The same with six samples: O(h^6)
+    Quintic,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -126,6 +130,16 @@ impl From<DegenerateArg> for Degenerate {
         match arg {
             DegenerateArg::Never => Self::Never,
             DegenerateArg::Exact => Self::Exact,
+        }
+    }
+}
+
+impl From<PlacementArg> for Placement {
+    fn from(arg: PlacementArg) -> Self {
+        match arg {
+            PlacementArg::Linear => Self::Linear,
+            PlacementArg::Cubic => Self::Cubic,
+            PlacementArg::Quintic => Self::Quintic,
         }
     }
 }

@@ -35,7 +35,8 @@ pub(crate) struct ExtractArgs {
     /// What is connected in a cell whose corners leave it open
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) topology: TopologyArg,
-    /// Where between two samples a vertex lies
+    /// Where between two samples a vertex lies, for samples h apart of a smooth field; the triangles are the
+    /// same
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) placement: PlacementArg,
     /// Which normals the vertices get

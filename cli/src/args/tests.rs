@@ -66,7 +66,7 @@ fn what_is_not_built_is_not_accepted() {
     for option in ["--keep largest", "--simplify 1", "--labels all"] {
         refused(&format!("extract a.nii --iso 1 -o a.glb {option}"), "unexpected argument");
     }
-    refused("extract a.nii --iso 1 -o a.glb --placement cubic", "invalid value 'cubic'");
+    refused("extract a.nii --iso 1 -o a.glb --placement spline", "invalid value 'spline'");
     refused("suggest a.nii", "unrecognized subcommand");
 }
 

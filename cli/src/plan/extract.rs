@@ -2,7 +2,7 @@
 
 use super::{MeshTarget, Stream, TextTarget, palette};
 use crate::{
-    args::{ExtractArgs, LevelArg, PlacementArg},
+    args::{ExtractArgs, LevelArg},
     fault::UsageError,
 };
 use anyhow::Result;
@@ -59,11 +59,11 @@ impl ExtractPlan {
             return Err(UsageError(says.into()).into());
         }
         // One answer, so far: a new one must be handed on here.
-        let PlacementArg::Linear = args.placement;
         let extract = ExtractOptions::DEFAULT
             .with_boundary(args.boundary.into())
             .with_topology(args.topology.into())
             .with_degenerate(args.degenerate.into())
+            .with_placement(args.placement.into())
             .with_nan(args.nan.into());
         let surface =
             SurfaceOptions::default().with_extract(extract).with_normals(args.normals.into());

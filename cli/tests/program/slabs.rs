@@ -7,12 +7,16 @@ use serde_json::json;
 use std::fs;
 
 /// Room for the program, for the pieces of so many surfaces, and for 4 to 6, 7, 10 and all slices of the
-/// volumes here.
+/// volumes here; with longer stencils for the least window, a few slices more, and all.
 fn limits(words: &str) -> Vec<String> {
     let room = 40 * 1024 + 3 * 1024 * words.matches("--iso ").count();
     // Where all cells may be special, a slice takes four times as much.
     let times = if words.contains("trilinear") { 4 } else { 1 };
-    [7, 9, 13, 1 << 20].iter().map(|slices| format!("{}KiB", room + times * slices)).collect()
+    let slices = match words.contains("--placement") {
+        true => [18, 20, 22, 1 << 20],
+        false => [7, 9, 13, 1 << 20],
+    };
+    slices.iter().map(|slices| format!("{}KiB", room + times * slices)).collect()
 }
 
 /// Compares all files that a command makes with those it makes at every limit.
@@ -85,6 +89,8 @@ fn every_choice_of_surface_part_and_place_gets_the_same_bytes() {
         "--iso 50 --roi :,:,5:8",
         "--iso 50 --roi-mm -18:-12,:,33:41 --space lps",
         "--iso 50 --space index --gltf-unit mm",
+        "--iso 50 --placement cubic",
+        "--iso 20 --placement quintic --boundary open",
         "--iso 50 --origin 5e6,6e6,7e6 --spacing 0.1,0.1,0.1",
     ] {
         same(&folder, &format!("ball.nii {options} -o a.glb"));

@@ -11,12 +11,14 @@
 //! vanishes or is too large or small to square, are called odd, and the caller places them one by one.
 //! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
 
+mod curves;
 mod edges;
 mod field;
 #[cfg(test)]
 mod tests;
 mod wide;
 
+pub use curves::{Crossings, cubic_crossings};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;

@@ -7,7 +7,7 @@ use crate::{
     planes::{Lattice, Planes},
     tally::{Tally, Whole},
     trilinear::Values,
-    vertex::Placement,
+    vertex::Placer,
 };
 use isokit_job::Job;
 use isokit_mesh::{Counts, MeshSink, Precision, TriMesh};
@@ -116,9 +116,9 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             job.limits.probe("surface", bytes, 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
-                let placement = Placement::new(*view, iso, margin, 0.0);
+                let placer = Placer::new(*view, iso, margin, 0.0).with_placement(options.placement);
                 let winding = Winding::of(view.frame());
-                let fill = Fill { planes: &planes, layout, placement, values, winding };
+                let fill = Fill { planes: &planes, layout, placer, values, winding };
                 let slices = 0..planes.lattice.points[2];
                 fill.piece(slices, piece, options.layers_per_task.get(), job)?;
             }

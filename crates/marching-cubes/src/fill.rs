@@ -5,7 +5,7 @@ use crate::{
     layout::Layout,
     planes::Planes,
     trilinear::{Filling, SpecialWriter, Values},
-    vertex::Placement,
+    vertex::Placer,
 };
 use isokit_geom::Frame;
 use isokit_job::{Cancelled, Job};
@@ -41,7 +41,7 @@ impl Winding {
 pub(crate) struct Fill<'a, T> {
     pub(crate) planes: &'a Planes,
     pub(crate) layout: &'a Layout,
-    pub(crate) placement: Placement<'a, T>,
+    pub(crate) placer: Placer<'a, T>,
     pub(crate) values: Values<'a, T>,
     pub(crate) winding: Winding,
 }
@@ -152,7 +152,7 @@ impl<T: Sample> Fill<'_, T> {
         let mut special = (!cells.all().is_empty()).then(|| SpecialWriter {
             cells: cells.all(),
             values: self.values,
-            placement: &self.placement,
+            placer: &self.placer,
             winding: self.winding,
             z,
             next: first_inner,
@@ -216,7 +216,7 @@ impl<T: Sample> Fill<'_, T> {
     fn flush<C: Coordinate>(&self, queue: &mut Queue, room: &mut Room<'_, C>) {
         let Queue { edges, odd } = queue;
         let Room { positions, normals } = room.split_off(edges.len());
-        self.placement.place(edges, positions, normals, odd);
+        self.placer.place(edges, positions, normals, odd);
         edges.clear();
     }
 
@@ -241,7 +241,7 @@ impl<T: Sample> Fill<'_, T> {
             // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time:
             // all others were looked at before.
             let row = left.partition_point(|word| word.row <= y);
-            self.placement.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
+            self.placer.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
             left = &left[row..];
             self.first_vertices(y, z)
         };

@@ -1,8 +1,8 @@
 //! A volume that is larger than memory: a window of slices goes over it, and the surface follows.
 //!
-//! In the window lie the slices whose surface is made, and those that it looks at: one below and two
-//! above, since an edge between the last slice and the next needs the gradient at its upper end. What is
-//! made of a window is the part of the whole surface that belongs to its slices, with the same numbers
+//! In the window lie the slices whose surface is made, and those that it looks at: with linear placement one
+//! below and two above, since an edge between the last slice and the next needs the gradient at its upper
+//! end; with another so many more as its stencils are longer. What is made of a window is the part of the whole surface that belongs to its slices, with the same numbers
 //! and the same bits: vertices are numbered slice by slice anyway, and places are worked out from the
 //! slice's number in the volume. Beyond the ends of a window that are no ends of the volume the lattice
 //! has guards like everywhere, but no slice that is made looks so far.
@@ -22,7 +22,7 @@ use crate::{
     layout::{Layout, Part},
     planes::{Lattice, Planes},
     trilinear::Values,
-    vertex::Placement,
+    vertex::Placer,
 };
 use isokit_job::{Job, OverLimit};
 use isokit_mesh::{Counts, MeshSink, MeshSinks, Precision};
@@ -40,9 +40,6 @@ pub struct Slabs<'a> {
     /// How much is in memory.
     pub budget: Budget,
 }
-
-/// The slice whose surface is made, the one below, and two above.
-pub const LEAST_WINDOW: usize = 4;
 
 /// The surfaces where the value is one of several isovalues, from one pass over the slices of a volume.
 /// Each is handed to its sink in pieces, which together are the surface that
@@ -180,9 +177,10 @@ impl Making<'_> {
             return Ok(()); // only to count it
         }
         let first_slice = window.first() as f64;
-        let placement = Placement::new(view, surface.iso, self.precision.1, first_slice);
+        let placer = Placer::new(view, surface.iso, self.precision.1, first_slice)
+            .with_placement(self.slabs.options.placement);
         let winding = Winding::of(view.frame());
-        let fill = Fill { planes, layout: &layout, placement, values, winding };
+        let fill = Fill { planes, layout: &layout, placer, values, winding };
         let mut slices = part.slices;
         while !slices.is_empty() {
             let next = self.piece(&layout, &slices, sink.wants_normals())?;

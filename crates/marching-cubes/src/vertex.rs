@@ -4,8 +4,19 @@
 //! δ = ((α + β) / 2) / (α − β) from its middle, in edge lengths. Seen from the other end the same numbers
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
+//!
+//! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge (`line`),
+//! and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
+//! that of linear interpolation. Normals of the same order need no more than finite samples.
 
-use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
+mod curve;
+mod line;
+
+use crate::Placement;
+use curve::Curve;
+use isokit_lanes::{
+    Coordinate, Crossings, Edges, Field, Samples, Vertices, Word, cubic_crossings, vertices,
+};
 use isokit_volume::{Sample, View, differences};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
@@ -24,15 +35,19 @@ struct Cut {
     delta: f64,
 }
 
+/// The most samples on one line that a place depends on.
+const MOST: usize = 6;
+
 /// What a vertex depends on, beside its edge.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement<'a, T> {
+pub(crate) struct Placer<'a, T> {
     view: View<'a, T>,
     samples: Option<Samples<'a, T>>,
     field: Field,
+    placement: Placement,
 }
 
-impl<'a, T: Sample> Placement<'a, T> {
+impl<'a, T: Sample> Placer<'a, T> {
     /// `margin` is the least distance that a vertex keeps from both ends of its edge, in edge lengths.
     /// `first_slice` is the number of the view's first slice in the volume that the frame is of.
     pub(crate) fn new(view: View<'a, T>, iso: f64, margin: f64, first_slice: f64) -> Self {
@@ -47,19 +62,39 @@ impl<'a, T: Sample> Placement<'a, T> {
             first_slice,
             covectors: affine.covector_columns(),
         };
-        Self { samples: view.samples(), view, field }
+        Self { samples: view.samples(), view, field, placement: Placement::Linear }
     }
 
-    /// Places the vertices of edges. Edges between samples go to the kernel; those to a guard, and those
-    /// that the kernel calls odd, are placed one by one.
+    /// The same with another placement.
+    pub(crate) fn with_placement(self, placement: Placement) -> Self {
+        Self { placement, ..self }
+    }
+
+    /// Places the vertices of edges. Edges between samples go to the kernel of the placement, if it has one;
+    /// those to a guard, and those that the kernel calls odd, are placed one by one.
     pub(crate) fn place<C: Coordinate>(
+        &self,
+        edges: &Edges,
+        positions: &mut [[C; 3]],
+        normals: Option<&mut [[f32; 3]]>,
+        odd: &mut Vec<u32>,
+    ) {
+        odd.clear();
+        match self.placement {
+            Placement::Linear => self.place_straight(edges, positions, normals, odd),
+            Placement::Cubic | Placement::Quintic => {
+                self.place_curved(edges, positions, normals, odd);
+            }
+        }
+    }
+
+    fn place_straight<C: Coordinate>(
         &self,
         edges: &Edges,
         positions: &mut [[C; 3]],
         mut normals: Option<&mut [[f32; 3]]>,
         odd: &mut Vec<u32>,
     ) {
-        odd.clear();
         match &self.samples {
             Some(samples) => {
                 let normals = normals.as_deref_mut();
@@ -75,6 +110,42 @@ impl<'a, T: Sample> Placement<'a, T> {
             if let Some(normals) = &mut normals {
                 normals[n] = self.normal(&cut);
             }
+        }
+    }
+
+    fn place_curved<C: Coordinate>(
+        &self,
+        edges: &Edges,
+        positions: &mut [[C; 3]],
+        normals: Option<&mut [[f32; 3]]>,
+        odd: &mut Vec<u32>,
+    ) {
+        let mut deltas = vec![0.0; if normals.is_some() { edges.len() } else { 0 }];
+        match (&self.samples, self.placement) {
+            (Some(samples), Placement::Cubic) => {
+                let deltas = normals.is_some().then_some(&mut deltas[..]);
+                let out = Crossings { positions: &mut *positions, deltas, odd: &mut *odd };
+                cubic_crossings(samples, &self.field, edges, out);
+            }
+            _ => odd.extend(0..edges.len() as u32),
+        }
+        for n in odd.iter().map(|&n| n as usize) {
+            let (axis, low) = edges.get(n);
+            let straight = self.cut(axis, low);
+            let cut = self.curved(&straight).unwrap_or(straight);
+            positions[n] = self.position(&cut);
+            if normals.is_some() {
+                deltas[n] = cut.delta;
+            }
+        }
+        for (n, normal) in normals.into_iter().flatten().enumerate() {
+            let (axis, low) = edges.get(n);
+            let cut = Cut { delta: deltas[n], ..self.cut(axis, low) };
+            let curved = match self.placement {
+                Placement::Quintic => self.curved_normal::<3>(&cut),
+                _ => self.curved_normal::<2>(&cut),
+            };
+            *normal = curved.unwrap_or_else(|| self.normal(&cut));
         }
     }
 
@@ -106,7 +177,12 @@ impl<'a, T: Sample> Placement<'a, T> {
     /// Where the edge along `axis` from `low` is crossed, in edge lengths from there. The ends are numbered
     /// as those of [`Edges`].
     pub(crate) fn crossing(&self, axis: usize, low: [u32; 3]) -> f64 {
-        0.5 + self.cut(axis, low).delta
+        let straight = self.cut(axis, low);
+        let cut = match self.placement {
+            Placement::Linear => straight,
+            Placement::Cubic | Placement::Quintic => self.curved(&straight).unwrap_or(straight),
+        };
+        0.5 + cut.delta
     }
 
     /// A place in world space, in cell sizes from `low`, which may be a wrapped −1.
@@ -114,6 +190,21 @@ impl<'a, T: Sample> Placement<'a, T> {
         let mut ijk = low.map(|i| f64::from(i as i32));
         ijk[2] += self.field.first_slice;
         self.field.world(std::array::from_fn(|axis| ijk[axis] + place[axis])).map(C::round)
+    }
+
+    /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.
+    fn curved(&self, cut: &Cut) -> Option<Cut> {
+        let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
+        let pairs = self.placement.pairs();
+        let mut around = [0.0; MOST];
+        let around = &mut around[..2 * pairs];
+        let first = ijk[axis] as isize + 1 - pairs as isize;
+        line::values(around, first, self.view.dims()[axis], |i| {
+            self.view.value(with(ijk, axis, i)) - self.field.iso
+        });
+        let curve = Curve::through(around)?;
+        let delta = curve.crossing(delta(cut.values, self.field.iso));
+        Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..*cut })
     }
 
     /// The position of a cut in world space.
@@ -165,6 +256,33 @@ impl<'a, T: Sample> Placement<'a, T> {
         Some([x * outward, y * outward, z * outward])
     }
 
+    /// The unit normal at a cut of a curve: against the gradient, whose parts are differences of as high an
+    /// order as the curve's at the samples around the edge, and between those what the curve through them
+    /// is. None where one is not finite or all are 0.
+    fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
+        let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
+        let (dims, weights) = (self.view.dims(), line::weights::<PAIRS>(cut.delta));
+        let mut gradient = [0.0; 3];
+        for (part, gradient) in gradient.iter_mut().enumerate() {
+            let mut around = [[0.0; 2]; PAIRS];
+            let around = around.as_flattened_mut();
+            let first = ijk[axis] as isize + 1 - PAIRS as isize;
+            line::values(around, first, dims[axis], |i| {
+                let here = with(ijk, axis, i);
+                let mut across = [0.0; MOST + 1];
+                let across = &mut across[..=2 * PAIRS];
+                let first = here[part] as isize - PAIRS as isize;
+                line::values(across, first, dims[part], |j| {
+                    self.view.stored(with(here, part, j)).to_f64()
+                });
+                line::slope(across)
+            });
+            *gradient = line::mean(around, &weights) * self.field.slope;
+        }
+        let is_finite = gradient.iter().all(|part| part.is_finite());
+        is_finite.then(|| self.outward(gradient)).flatten()
+    }
+
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
     pub(crate) fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
         let world = self.world_gradient(gradient);
@@ -183,6 +301,13 @@ impl<'a, T: Sample> Placement<'a, T> {
         let along = |k: usize, axis: usize| columns[axis][k] * gradient[axis];
         std::array::from_fn(|k| along(k, 0) + along(k, 1) + along(k, 2))
     }
+}
+
+/// The same place but for one axis.
+#[inline(always)]
+fn with(mut ijk: [usize; 3], axis: usize, i: usize) -> [usize; 3] {
+    ijk[axis] = i;
+    ijk
 }
 
 /// The power of two by which a number becomes one from 1 to 2, for any but the greatest and the least.
@@ -231,162 +356,4 @@ fn greatest(v: [f64; 3]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Placement, delta, greatest};
-    use isokit_geom::{Affine, Frame};
-    use isokit_lanes::{Edges, Word};
-    use isokit_volume::{Grid, Volume, gradient};
-    use proptest::prelude::*;
-
-    fn check(a: f64, b: f64, iso: f64) {
-        let (low, high) = if a >= b { (b, a) } else { (a, b) };
-        if !(low < iso && high >= iso) {
-            return;
-        }
-        let there = delta([Some(a), Some(b)], iso);
-        let back = delta([Some(b), Some(a)], iso);
-        assert!(there.abs() <= 0.5, "{a:e}, {b:e}, {iso:e}: {there}");
-        assert_eq!(there.to_bits(), (-back).to_bits(), "{a:e}, {b:e}, {iso:e}");
-    }
-
-    proptest! {
-        #[test]
-        fn a_crossing_is_on_its_edge_and_the_same_from_both_ends(
-            bits in any::<[u64; 3]>(), near in -3_i64..=3
-        ) {
-            let [a, b, iso] = bits.map(f64::from_bits);
-            let [a32, b32, iso32] = bits.map(|bits| f64::from(f32::from_bits(bits as u32)));
-            if a.is_finite() && b.is_finite() && iso.is_finite() {
-                check(a, b, a / 2.0 + b / 2.0);
-                check(a, b, iso);
-                check(a, f64::from_bits(a.to_bits().wrapping_add_signed(near)), a);
-            }
-            if a32.is_finite() && b32.is_finite() && iso32.is_finite() {
-                check(a32, b32, iso32);
-                check(a32, b32, (a32 + b32) / 2.0);
-            }
-        }
-    }
-
-    #[test]
-    fn the_greatest_and_the_least_values_are_crossed_where_they_should_be() {
-        assert_eq!(delta([Some(-f64::MAX), Some(f64::MAX)], 0.0), 0.0);
-        let half = f64::from_bits(0x7FE0_0000_0000_0000); // of what overflows
-        assert_eq!(delta([Some(half), Some(-half)], -half / 2.0), 0.25);
-        let tiny = f64::from_bits(1);
-        assert_eq!(delta([Some(0.0), Some(3.0 * tiny)], tiny), -1.0 / 6.0);
-        assert_eq!(delta([Some(1.0), Some(3.0)], 3.0), 0.5);
-    }
-
-    #[test]
-    fn what_is_not_finite_leaves_the_crossing_to_the_other_end() {
-        let (inf, nan) = (f64::INFINITY, f64::NAN);
-        assert_eq!(delta([Some(1.0), Some(nan)], 0.0), -0.5);
-        assert_eq!(delta([Some(inf), Some(-1.0)], 0.0), 0.5);
-        assert_eq!(delta([Some(inf), Some(nan)], 0.0), 0.0);
-        assert_eq!(delta([Some(inf), None], 0.0), -0.5);
-        assert_eq!(delta([None, Some(1.0)], 0.0), 0.5);
-    }
-
-    fn plane_normals(affine: Affine, slope: [f64; 3]) {
-        // A linear field in world space: its normal is −slope, whatever the frame.
-        let frame = Frame { index_to_world: affine, ..Frame::default() };
-        let grid = Grid::new([4, 4, 4], frame).unwrap();
-        let value = |n: usize| {
-            let xyz = affine.point([n % 4, n / 4 % 4, n / 16].map(|i| i as f64));
-            (0..3).map(|k| xyz[k] * slope[k]).sum::<f64>()
-        };
-        let volume = Volume::new(grid, (0..64).map(value).collect::<Vec<f64>>()).unwrap();
-        let placement = Placement::new(volume.view(), value(0).midpoint(value(1)), 0.0, 0.0);
-        let cut = placement.cut(0, [0, 0, 0]);
-        let length = slope.iter().map(|c| c * c).sum::<f64>().sqrt();
-        for (found, part) in placement.normal(&cut).into_iter().zip(slope) {
-            assert!((f64::from(found) + part / length).abs() < 1e-6, "{found}, {part}");
-        }
-    }
-
-    #[test]
-    fn normals_are_covectors_in_sheared_stretched_and_mirrored_frames() {
-        let slope = [1.0, -2.0, 0.5];
-        let shear = [[0.5, 0.0, 0.0], [0.2, 0.7, 0.0], [0.1, -0.9, 2.5]];
-        plane_normals(Affine::new(shear, [0.0; 3]).unwrap(), slope);
-        plane_normals(Affine::axis_aligned([1.0, 3.0, -9.0], [5.0; 3]).unwrap(), slope);
-        plane_normals(
-            Affine::axis_aligned([1e-12, 1.0, 1e6], [0.0; 3]).unwrap(),
-            [1e12, 1.0, 1e-6],
-        );
-    }
-
-    /// Sixteen steps of f32, for gradients at the ends that cancel no more than half.
-    #[test]
-    fn normals_made_sixteen_at_a_time_are_right_to_a_few_units_of_their_last_place() {
-        let frame = Affine::new([[0.5, 0.1, 0.0], [0.2, 0.7, 0.0], [0.1, -0.9, 2.5]], [0.0; 3]);
-        let frame = Frame { index_to_world: frame.unwrap(), ..Frame::default() };
-        let grid = Grid::new([20, 20, 20], frame).unwrap();
-        let mut state = 9_u64;
-        let mut chance = |_| {
-            state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
-            (state >> 40) as f32 / 1e5 - 80.0
-        };
-        let volume = Volume::new(grid, (0..8000).map(&mut chance).collect::<Vec<f32>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0.0, 0.0, 0.0);
-        let mut compared = 0;
-        for (axis, y) in (0..3).flat_map(|axis| (0..19).map(move |y| (axis, y))) {
-            let mut edges = Edges::default();
-            edges.begin(9);
-            edges.push(&[axis], [0, y], &[Word { cuts: [(1 << 19) - 1; 8], ..Word::default() }]);
-            let (mut positions, mut normals) = ([[0_f32; 3]; 19], [[0.0; 3]; 19]);
-            placement.place(&edges, &mut positions, Some(&mut normals), &mut vec![]);
-            for (n, normal) in normals.into_iter().enumerate() {
-                let (axis, low) = edges.get(n);
-                let cut = placement.cut(axis, low);
-                assert_eq!(placement.normal(&cut), normal, "one by one as all at once");
-                let [low, high] = cut.ends.map(|end| gradient(&volume.view(), end.unwrap()));
-                let share = 0.5 + cut.delta;
-                let mixed = [0, 1, 2].map(|k| low[k] * (1.0 - share) + high[k] * share);
-                if greatest(mixed) < 0.5 * greatest(low).max(greatest(high)) {
-                    continue;
-                }
-                compared += 1;
-                let exact = placement.outward(mixed).unwrap();
-                for (found, exact) in normal.into_iter().zip(exact) {
-                    assert!((found - exact).abs() < 16.0 * f32::EPSILON, "{found}, {exact}");
-                }
-            }
-        }
-        assert!(compared > 300, "{compared} normals");
-    }
-
-    #[test]
-    fn next_to_a_sample_without_a_value_the_other_differences_tell_the_normal() {
-        let grid = Grid::new([7, 7, 7], Frame::default()).unwrap();
-        for hole in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            let value = |n: usize| match [n % 7, n / 7 % 7, n / 49] {
-                [3, 3, 3] => hole,
-                [x, y, z] => 2.0 * x as f32 - y as f32 + 2.0 * z as f32,
-            };
-            let volume = Volume::new(grid, (0..343).map(value).collect::<Vec<f32>>()).unwrap();
-            // Beside the hole, and to it: no vertex there looks along the edge.
-            for (axis, low) in [(1, [2, 3, 3]), (0, [3, 4, 3]), (2, [3, 3, 2]), (0, [3, 3, 3])] {
-                let placement = Placement::new(volume.view(), 8.5, 0.0, 0.0);
-                let normal = placement.normal(&placement.cut(axis, low));
-                for (found, part) in normal.into_iter().zip([-2.0, 1.0, -2.0]) {
-                    assert!(
-                        (found - part / 3.0).abs() < 1e-6,
-                        "{hole}, {axis}, {low:?}: {normal:?}"
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn where_all_differences_cancel_the_normal_follows_the_edge() {
-        let grid = Grid::new([4, 4, 4], Frame::default()).unwrap();
-        let checker = |n: usize| if (n + n / 4 + n / 16) % 2 == 1 { -1.0 } else { 1.0 };
-        let volume = Volume::new(grid, (0..64).map(checker).collect::<Vec<f32>>()).unwrap();
-        let placement = Placement::new(volume.view(), 0.0, 0.0, 0.0);
-        assert_eq!(placement.normal(&placement.cut(1, [1, 1, 1])), [0.0, -1.0, 0.0]);
-        assert_eq!(placement.normal(&placement.cut(1, [2, 1, 1])), [0.0, 1.0, 0.0]);
-    }
-}
+mod tests;

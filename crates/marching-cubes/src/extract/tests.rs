@@ -10,6 +10,7 @@ use std::{collections::BTreeMap, num::NonZeroUsize};
 
 mod bricks;
 mod many;
+mod placement;
 
 type Point = [i64; 3];
 

@@ -1,6 +1,5 @@
 //! How high the window is, for so much memory.
 
-use super::LEAST_WINDOW;
 use crate::{Boundary, ExtractOptions, Nan, Topology, trilinear::SpecialCells};
 use isokit_job::OverLimit;
 use isokit_lanes::words;
@@ -9,7 +8,7 @@ use isokit_volume::{Dtype, Grid};
 /// How much of a volume and of its surfaces is in memory at a time. Changes time and memory only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Slices, at least [`LEAST_WINDOW`] or as many as there are.
+    /// Slices, at least [`least_window`](crate::Placement::least_window) or as many as there are.
     pub window: usize,
     /// Bytes of the surface that a sink is asked for at a time. A slice that makes more is an error.
     pub piece_bytes: u64,
@@ -41,7 +40,7 @@ impl Budget {
         let (surfaces, pieces) = (surfaces.max(1), surfaces.saturating_mul(pieces).max(1));
         let per_slice = bytes_per_slice(grid, dtype, surfaces, options);
         // A volume may have fewer.
-        let fewest = grid.dims()[2].min(LEAST_WINDOW as u64);
+        let fewest = grid.dims()[2].min(options.placement.least_window() as u64);
         let least = per_slice.map(|bytes| bytes.saturating_mul(fewest));
         let needed = least.and_then(|least| least.checked_add(pieces.saturating_mul(LEAST_PIECE)));
         let (Some(per_slice), Some(0..)) = (per_slice, needed.and_then(|n| bytes.checked_sub(n)))
@@ -83,23 +82,23 @@ fn bytes_per_slice(
 
 #[cfg(test)]
 mod tests {
-    use super::{Budget, LEAST_WINDOW, bytes_per_slice};
-    use crate::{ExtractOptions, Topology};
+    use super::{Budget, bytes_per_slice};
+    use crate::{ExtractOptions, Placement, Topology};
     use isokit_volume::{Dtype, Grid};
 
     #[test]
     fn what_a_refusal_says_is_needed_suffices_and_no_less() {
-        let options = &ExtractOptions::DEFAULT;
-        for (dims, pieces) in [
-            ([1024, 1024, 2048], (1, 1)),
-            ([3, 5, 7], (2, 3)),
-            ([1 << 20, 900, 9], (3, 1)),
-            ([4096, 2048, 1], (1, 2)),
+        for (dims, pieces, placement) in [
+            ([1024, 1024, 2048], (1, 1), Placement::Linear),
+            ([3, 5, 7], (2, 3), Placement::Cubic),
+            ([1 << 20, 900, 9], (3, 1), Placement::Quintic),
+            ([4096, 2048, 1], (1, 2), Placement::Linear),
         ] {
+            let options = &ExtractOptions::DEFAULT.with_placement(placement);
             let grid = Grid::new(dims, Default::default()).unwrap();
             let within = |bytes| Budget::within(bytes, (&grid, Dtype::I16), pieces, options);
             let needed = within(0).unwrap_err().needed;
-            let fewest = LEAST_WINDOW.min(dims[2] as usize);
+            let fewest = placement.least_window().min(dims[2] as usize);
             assert_eq!(within(needed).unwrap().window, fewest);
             assert_eq!(within(needed - 1).unwrap_err().needed, needed);
         }
@@ -113,7 +112,10 @@ mod tests {
         for bytes in (10..1000).map(|n| n << 20) {
             let budget = Budget::within(bytes, (&grid, Dtype::F32), (2, 1), options).unwrap();
             let window = budget.window as u64 * per_slice;
-            assert!(budget.window >= LEAST_WINDOW && window + 2 * budget.piece_bytes <= bytes);
+            assert!(
+                budget.window >= options.placement.least_window()
+                    && window + 2 * budget.piece_bytes <= bytes
+            );
         }
     }
 

@@ -1,9 +1,9 @@
 //! The pieces joined against the surface in memory, bit by bit.
 
-use super::{Budget, LEAST_WINDOW, Making, Slabs, Surface, Window, extract_slabs, precision};
+use super::{Budget, Making, Slabs, Surface, Window, extract_slabs, precision};
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Extracted, Nan, SlabError, Topology,
-    extract, extract_into,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Extracted, Nan, Placement, SlabError,
+    Topology, extract, extract_into,
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Stopped};
@@ -40,7 +40,8 @@ fn check<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptions) 
     };
     let expected: Result<Vec<_>, _> = isos.iter().map(whole).collect();
     let least = greatest_slice(volume.grid(), options.topology);
-    for window in LEAST_WINDOW..=volume.view().dims()[2].max(LEAST_WINDOW) {
+    let least_window = options.placement.least_window();
+    for window in least_window..=volume.view().dims()[2].max(least_window) {
         for piece_bytes in [least, 3 * least, u64::MAX] {
             let slabs = Slabs { isos, options, budget: Budget { window, piece_bytes } };
             let mut meshes = vec![TriMesh::with_normals(); isos.len()];
@@ -92,8 +93,12 @@ fn options() -> impl Strategy<Value = ExtractOptions> {
     let degenerate = prop_oneof![Just(Degenerate::Never), Just(Degenerate::Exact)];
     let nan = prop_oneof![Just(Nan::Outside), Just(Nan::Mask), Just(Nan::Error)];
     let topology = prop_oneof![Just(Topology::Table), Just(Topology::Trilinear)];
-    (boundary, degenerate, nan, topology).prop_map(|(boundary, degenerate, nan, topology)| {
-        let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_topology(topology);
+    let placement =
+        prop_oneof![Just(Placement::Linear), Just(Placement::Cubic), Just(Placement::Quintic)];
+    let all = (boundary, degenerate, nan, (topology, placement));
+    all.prop_map(|(boundary, degenerate, nan, (topology, placement))| {
+        let options = ExtractOptions::DEFAULT.with_boundary(boundary);
+        let options = options.with_topology(topology).with_placement(placement);
         options.with_degenerate(degenerate).with_nan(nan)
     })
 }
@@ -110,10 +115,10 @@ fn frame() -> impl Strategy<Value = Frame> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig::with_cases(128))]
     #[test]
     fn for_every_height_of_the_window_the_pieces_are_the_surface(
-        dims in [1_u64..20, 1_u64..12, 1_u64..20],
+        dims in [1_u64..20, 1_u64..12, 1_u64..30],
         kind in 0..8, seed in any::<u64>(), options in options(), frame in frame(),
     ) {
         let grid = Grid::new(dims, frame).unwrap();

@@ -1,7 +1,7 @@
 //! The slices of a volume that are in memory.
 
-use super::{LEAST_WINDOW, Slabs};
-use crate::{found::Found, planes::Lattice};
+use super::Slabs;
+use crate::{Placement, found::Found, planes::Lattice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{has_nan, nans, words};
 use isokit_volume::{Grid, Sample, Scaling, SlabSource, View};
@@ -19,16 +19,14 @@ pub(super) struct Window<T> {
     held: Range<u64>,
     /// Of those the ones that have just come.
     new: Range<u64>,
+    /// What says how many slices below and above a slice its surface looks at.
+    placement: Placement,
     /// NaN samples met so far, where somebody looked.
     pub(super) nan: Found,
 }
 
 /// Samples fetched between two looks at the cancel token.
 const PIECE: usize = 1 << 20;
-
-/// Slices below and above a slice that its surface looks at.
-const BELOW: u64 = 1;
-const ABOVE: u64 = 2;
 
 impl<T: Sample> Window<T> {
     /// Before the first slice, with room for as many slices as `slabs` says.
@@ -38,12 +36,14 @@ impl<T: Sample> Window<T> {
         job: &Job,
     ) -> Result<Self, OverLimit> {
         let (grid, scaling) = (*source.grid(), source.scaling());
-        let slices = (slabs.budget.window.max(LEAST_WINDOW) as u64).min(grid.dims()[2]);
+        let placement = slabs.options.placement;
+        let slices = slabs.budget.window.max(placement.least_window()) as u64;
+        let slices = slices.min(grid.dims()[2]);
         let count = grid.slice_count().checked_mul(slices);
         let samples = job.limits.zeroed("window of slices", count)?;
         let slice = grid.slice_count() as usize;
         let (held, new, nan) = (0..0, 0..0, Found::default());
-        Ok(Self { grid, scaling, samples, slice, held, new, nan })
+        Ok(Self { grid, scaling, samples, slice, held, new, placement, nan })
     }
 
     /// Whether the last slice is held.
@@ -57,7 +57,8 @@ impl<T: Sample> Window<T> {
         source: &mut R,
         job: &Job,
     ) -> Result<(), R::Error> {
-        let keep = (self.held.end - self.held.start).min(BELOW + ABOVE);
+        let looked_at = self.placement.below() + self.placement.above();
+        let keep = (self.held.end - self.held.start).min(looked_at as u64);
         let first = self.held.end - keep;
         let kept = self.place(first)..self.place(self.held.end);
         let filled = kept.len();
@@ -99,8 +100,8 @@ impl<T: Sample> Window<T> {
 
     /// The slices of the lattice over the window whose surface is made now.
     pub(super) fn own(&self, lattice: Lattice) -> Range<usize> {
-        let start = if self.held.start == 0 { 0 } else { BELOW as usize + lattice.guard };
-        let looked_at = if self.is_last() { 0 } else { ABOVE as usize + lattice.guard };
+        let start = if self.held.start == 0 { 0 } else { self.placement.below() + lattice.guard };
+        let looked_at = if self.is_last() { 0 } else { self.placement.above() + lattice.guard };
         start..lattice.points[2] - looked_at
     }
 

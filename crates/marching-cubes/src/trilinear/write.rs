@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     fill::{Room, Winding, split_off},
-    vertex::Placement,
+    vertex::Placer,
 };
 use isokit_geom::cube::Edge;
 use isokit_lanes::{Coordinate, FirstVertices, Word};
@@ -20,7 +20,7 @@ pub(crate) struct SpecialWriter<'a, T, C> {
     /// Those that are left.
     pub(crate) cells: &'a [Special],
     pub(crate) values: Values<'a, T>,
-    pub(crate) placement: &'a Placement<'a, T>,
+    pub(crate) placer: &'a Placer<'a, T>,
     pub(crate) winding: Winding,
     /// The slice.
     pub(crate) z: usize,
@@ -103,7 +103,7 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
             let place = &mut filling.crossings[edge.index()];
             *place = corner.map(|i| i as f64);
             if cell.crosses(edge) {
-                place[axis] = self.placement.crossing(axis, start);
+                place[axis] = self.placer.crossing(axis, start);
             }
         }
         let Filling { triangles, inner, crossings } = filling;
@@ -124,11 +124,11 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
         let count = patch.vertices();
         let Room { positions, mut normals } = self.room.split_off(count);
         for n in 0..count {
-            positions[n] = self.placement.position_in_cell(low, filling.inner[n]);
+            positions[n] = self.placer.position_in_cell(low, filling.inner[n]);
             if let Some(normals) = &mut normals {
                 let gradient = interpolant.map(|whole| whole.gradient(filling.inner[n]).0);
-                let told = gradient.and_then(|gradient| self.placement.outward(gradient));
-                let shown = || self.placement.outward(inward(n, filling));
+                let told = gradient.and_then(|gradient| self.placer.outward(gradient));
+                let shown = || self.placer.outward(inward(n, filling));
                 normals[n] = told.or_else(shown).unwrap_or([0.0, 0.0, 1.0]);
             }
         }

@@ -1,0 +1,165 @@
+//! Samples on a line of the lattice, and derivatives on it, to a high order.
+//!
+//! A stencil that leads over the border is one-sided there. That is done by going on: the missing samples
+//! are those of the polynomial through the nearest ones, as many as the stencil has, or all where a line
+//! has fewer. What is made of them is then what the one-sided stencil of the same order gives, or of the
+//! highest order that the line allows. From either border it is the same sum in the same order, so that
+//! mirrored volumes keep mirrored bits.
+
+/// The most samples of a stencil: those of a difference of order six.
+const MOST: usize = 7;
+
+/// The values on a line from index `first` on, as many as there is room for. `value` tells them from 0 to
+/// `size`; beyond, the line is continued.
+#[inline(always)]
+pub(super) fn values(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
+    if first >= 0 && first as usize + out.len() <= size {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = value(first as usize + n);
+        }
+        return;
+    }
+    continued(out, first, size, value);
+}
+
+/// The same where some of the values are beyond the line.
+#[cold]
+fn continued(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
+    let held = out.len().min(size);
+    let base = first.clamp(0, (size - held) as isize) as usize;
+    // The samples nearest to the stencil, which hold all of it that the line has.
+    let mut near = [0.0; MOST];
+    for (n, near) in near[..held].iter_mut().enumerate() {
+        *near = value(base + n);
+    }
+    let near = &mut near[..held];
+    let (below, within) = (out.len().min(first.min(0).unsigned_abs()), first.max(0) as usize);
+    let above = (size - within).min(out.len() - below) + below;
+    out[below..above].copy_from_slice(&near[within - base..][..above - below]);
+    near.reverse();
+    let mut ahead = [0.0; MOST];
+    let ahead = &mut ahead[..held];
+    ahead.copy_from_slice(near);
+    out[above..].iter_mut().for_each(|out| *out = before(ahead));
+    near.reverse();
+    out[..below].iter_mut().rev().for_each(|out| *out = before(near));
+}
+
+/// The value one step before the first of the polynomial through some; it takes its place there, and the
+/// last is forgotten.
+fn before(near: &mut [f64]) -> f64 {
+    // The difference of as high an order as there are values is 0.
+    let (mut sum, mut factor) = (0.0, -1.0);
+    for (n, value) in near.iter().enumerate() {
+        factor = -factor * (near.len() - n) as f64 / (n + 1) as f64;
+        sum += factor * value;
+    }
+    near.rotate_right(1);
+    near[0] = sum;
+    sum
+}
+
+/// The derivative in the middle of an odd number of values, per step, to the order of the steps between
+/// the outermost: central differences (Fornberg 1988).
+#[inline(always)]
+pub(super) fn slope(values: &[f64]) -> f64 {
+    let middle = values.len() / 2;
+    let across = |steps: usize| values[middle + steps] - values[middle - steps];
+    match middle {
+        2 => (8.0 * across(1) - across(2)) / 12.0,
+        _ => (45.0 * across(1) - 9.0 * across(2) + across(3)) / 60.0,
+    }
+}
+
+/// The weights of an even number of values around an edge in what the polynomial through all of them is at
+/// `s` steps from its middle (Lagrange): of the nearest pair, lower and upper, then of the next.
+#[inline(always)]
+pub(super) fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
+    let place = |pair: usize| pair as f64 + 0.5;
+    std::array::from_fn(|pair| {
+        let mut weight = 0.5 / place(pair);
+        for other in (0..PAIRS).filter(|&other| other != pair) {
+            let (own, other) = (place(pair) * place(pair), place(other) * place(other));
+            weight *= (s * s - other) / (own - other);
+        }
+        [weight * (place(pair) - s), weight * (place(pair) + s)]
+    })
+}
+
+/// The sum of values around an edge by their weights, in pairs, so that a mirror changes no bit.
+#[inline(always)]
+pub(super) fn mean<const PAIRS: usize>(values: &[f64], weights: &[[f64; 2]; PAIRS]) -> f64 {
+    let pair = |n: usize| values[PAIRS - 1 - n] * weights[n][0] + values[PAIRS + n] * weights[n][1];
+    (1..PAIRS).fold(pair(0), |sum, n| sum + pair(n))
+}
+
+/// What the polynomial through four or six values around an edge is at `s` steps from its middle.
+#[cfg(test)]
+pub(super) fn between(values: &[f64], s: f64) -> f64 {
+    match values.len() {
+        4 => mean::<2>(values, &weights(s)),
+        _ => mean::<3>(values, &weights(s)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{between, slope, values};
+
+    /// A polynomial of a degree with coefficients that are no friends of each other.
+    fn polynomial(degree: usize, x: f64) -> [f64; 2] {
+        let coefficient = |n: usize| [0.7, -1.3, 0.45, 0.31, -0.17, 0.06, 0.02][n];
+        let value = (0..=degree).map(|n| coefficient(n) * x.powi(n as i32)).sum();
+        let slope = (1..=degree).map(|n| n as f64 * coefficient(n) * x.powi(n as i32 - 1)).sum();
+        [value, slope]
+    }
+
+    #[track_caller]
+    fn check(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-8 * (1.0 + expected.abs()), "{found}, {expected}");
+    }
+
+    #[test]
+    fn what_a_stencil_holds_of_a_polynomial_is_exact_at_the_border_and_on_short_lines_too() {
+        for (count, size) in [4, 5, 6, 7].into_iter().flat_map(|n| (1..9).map(move |s| (n, s))) {
+            let degree = count.min(size) - 1;
+            let place = |i: isize| (i as f64 - 1.5) / 2.0;
+            for first in -(count as isize) / 2..=(size - 1) as isize - (count as isize - 1) / 2 {
+                let mut found = [0.0; 7];
+                let found = &mut found[..count];
+                let value = |i: usize| polynomial(degree, place(i as isize))[0];
+                values(found, first, size, value);
+                for (n, &found) in found.iter().enumerate() {
+                    check(found, polynomial(degree, place(first + n as isize))[0]);
+                }
+                let middle = place(first) + (count - 1) as f64 / 4.0;
+                match count % 2 {
+                    1 => check(slope(found), polynomial(degree, middle)[1] / 2.0),
+                    _ => [-0.5, -0.2, 0.3, 0.5].into_iter().for_each(|s| {
+                        check(between(found, s), polynomial(degree, middle + s / 2.0)[0]);
+                    }),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_read_from_its_other_end_gives_the_same_bits() {
+        let line = [0.3, 1.7, -2.9, 11.1, 0.7, 5.3, -8.1, 2.2];
+        let back = |i: usize| line[line.len() - 1 - i];
+        for count in 4..=7 {
+            for first in -3..=(line.len() - count + 3) as isize {
+                let (mut there, mut other) = ([0.0; 7], [0.0; 7]);
+                let (there, other) = (&mut there[..count], &mut other[..count]);
+                values(there, first, line.len(), |i| line[i]);
+                values(other, line.len() as isize - first - count as isize, line.len(), back);
+                match count % 2 {
+                    0 => assert_eq!(between(there, 0.3).to_bits(), between(other, -0.3).to_bits()),
+                    _ => assert_eq!(slope(there), -slope(other)),
+                }
+                other.reverse();
+                assert_eq!(there, other);
+            }
+        }
+    }
+}

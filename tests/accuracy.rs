@@ -1,0 +1,118 @@
+//! How the error of a surface falls with the distance of the samples: orders, fitted on four grids.
+//!
+//! A field with a known gradient is sampled, and the error of a vertex is |f| / |∇f| there, its distance
+//! from the surface to first order. Orders are slopes of a line through the logarithms (Etiene et al. 2009,
+//! "Verifiable visualization for isosurface extraction").
+
+use isokit::{
+    geom::{Affine, Frame},
+    job::Job,
+    marching_cubes::{Boundary, Degenerate, ExtractOptions, Placement, extract},
+    mesh::{Precision, TriMesh, topology},
+    volume::{Grid, Volume},
+};
+use isokit_tests::fields::{self, Field, gradient};
+
+/// Samples along each axis of the cube from −1 to 1.
+const GRIDS: [u64; 4] = [41, 57, 81, 113];
+
+fn volume(field: &Field, points: u64) -> Volume<f64> {
+    let step = 2.0 / (points - 1) as f64;
+    let index_to_world = Affine::axis_aligned([step; 3], [-1.0; 3]).unwrap();
+    let grid = Grid::new([points; 3], Frame { index_to_world, ..Frame::default() }).unwrap();
+    let place = |i: u64| index_to_world.point([i as f64; 3])[0];
+    let at = |n: u64| field([n % points, n / points % points, n / points / points].map(place));
+    Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
+}
+
+fn surface(field: &Field, points: u64, placement: Placement) -> TriMesh {
+    let options = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+    let options = options.with_degenerate(Degenerate::Exact).with_precision(Some(Precision::F64));
+    let options = options.with_placement(placement);
+    extract(&volume(field, points).view(), 0.0, &options, &Job::default()).unwrap()
+}
+
+/// The slope of a line through the logarithms of errors over those of the distances of samples.
+fn order(errors: [f64; 4]) -> f64 {
+    let points = GRIDS.iter().zip(errors).map(|(&n, error)| (-((n - 1) as f64).ln(), error.ln()));
+    let points: Vec<_> = points.collect();
+    let mean = |part: fn(&(f64, f64)) -> f64| points.iter().map(part).sum::<f64>() / 4.0;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let (mut xy, mut xx) = (0.0, 0.0);
+    for p in &points {
+        xy += (p.0 - x) * (p.1 - y);
+        xx += (p.0 - x) * (p.0 - x);
+    }
+    xy / xx
+}
+
+/// The errors of places and of normals (as the sine's double of half the angle), root mean square.
+fn errors(field: &Field, mesh: &TriMesh) -> [f64; 2] {
+    let (mut place, mut angle) = (0.0, 0.0);
+    for (xyz, normal) in mesh.positions.iter().zip(mesh.normals.as_ref().unwrap()) {
+        let steep = gradient(field, xyz);
+        let length = steep.iter().map(|c| c * c).sum::<f64>().sqrt();
+        place += (field(xyz) / length).powi(2);
+        angle += (0..3).map(|k| (f64::from(normal[k]) + steep[k] / length).powi(2)).sum::<f64>();
+    }
+    [place, angle].map(|sum| (sum / mesh.positions.len() as f64).sqrt())
+}
+
+#[track_caller]
+fn check(name: &str, field: &Field) {
+    let mut before = [f64::INFINITY; 2];
+    for (placement, [of_places, of_normals]) in [
+        // Its differences are of order one at the border.
+        (Placement::Linear, [1.9, 1.4]),
+        (Placement::Cubic, [3.8, 3.8]),
+        (Placement::Quintic, [5.5, 5.0]),
+    ] {
+        let errors = GRIDS.map(|points| errors(field, &surface(field, points, placement)));
+        let [places, normals] = [0, 1].map(|n| order(errors.map(|both| both[n])));
+        let says = format!("{name}, {placement:?}: {places:.2}, {normals:.2} from {errors:?}");
+        println!("{says}");
+        assert!(places >= of_places, "places of {says}");
+        // Normals are f32, which ends what can be seen of their order.
+        assert!(normals >= of_normals || errors[3][1] < 4e-8, "normals of {says}");
+        assert!(errors[3][0] < before[0] / 10.0 && errors[3][1] < before[1], "finest of {says}");
+        before = errors[3];
+    }
+}
+
+#[test]
+fn a_sphere() {
+    check("sphere", &fields::sphere(0.7));
+}
+
+#[test]
+fn a_torus() {
+    check("torus", &fields::torus(0.6, 0.25));
+}
+
+#[test]
+fn a_gyroid_that_leaves_through_the_border() {
+    check("gyroid", &fields::gyroid(1.5));
+}
+
+#[test]
+fn waves_that_leave_through_the_border() {
+    check("waves", &fields::waves());
+}
+
+#[test]
+fn areas_and_volumes_are_of_order_two_in_every_placement() {
+    use std::f64::consts::PI;
+    let radius = 0.7_f64;
+    let (area, volume) = (4.0 * PI * radius.powi(2), 4.0 / 3.0 * PI * radius.powi(3));
+    for placement in [Placement::Linear, Placement::Cubic, Placement::Quintic] {
+        let errors = GRIDS.map(|points| {
+            let mesh = surface(&fields::sphere(radius), points, placement);
+            let found = topology(&mesh, &Job::default()).unwrap().measure;
+            [(found.area - area).abs(), (found.volume - volume).abs()]
+        });
+        for n in [0, 1] {
+            let order = order(errors.map(|both| both[n]));
+            assert!((1.9..2.2).contains(&order), "{placement:?}: {order}, {errors:?}");
+        }
+    }
+}
