@@ -44,7 +44,7 @@ pub(crate) struct Cli {
 #[command(next_help_heading = "Every command")]
 pub(crate) struct CommonArgs {
     /// Threads to use [default: all]. The result does not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = values::count)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Whether to show on stderr how far the work is; auto: if that is a terminal
     #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]

@@ -135,8 +135,12 @@ fn of_extract(error: &ExtractError) -> Fault {
         ExtractError::TooFar { .. } => {
             Fault::Caller("give an --origin nearer to 0, or use --space index for sample numbers")
         }
+        ExtractError::TooLong { .. } => Fault::Ours("take a part with --roi"),
+        ExtractError::Iso(_) => {
+            Fault::Caller("choose another isovalue; `isokit info` shows the range")
+        }
         ExtractError::Stopped(stopped) => of_stopped(stopped),
-        _ => Fault::Caller("choose another isovalue; `isokit info` shows the range"),
+        _ => Fault::Ours("this should not happen; please report it"),
     }
 }
 
@@ -170,6 +174,7 @@ fn of_write(fault: &WriteFault) -> Fault {
             Fault::Caller("choose another format, or take a part with --roi")
         }
         WriteFault::Caller(_) => Fault::Caller("choose another name or format for the output"),
+        WriteFault::OverLimit(_) => Fault::System("it has not so much memory"),
         WriteFault::Cancelled(_) => Fault::Interrupted,
         _ => Fault::Ours("this should not happen; please report it"),
     }
@@ -202,7 +207,7 @@ mod tests {
     use super::{Fault, UsageError};
     use anyhow::{Context, Error};
     use isokit::{
-        io::ReadFault,
+        io::{ReadFault, WriteFault},
         job::{Cancelled, OverLimit},
         marching_cubes::ExtractError,
         pipeline::PipelineError,
@@ -221,6 +226,26 @@ mod tests {
         assert_eq!(fault.whose(), "the file's fault");
         let over = OverLimit { what: "volume", needed: 8, limit: 7 };
         assert_eq!(Fault::of(&PipelineError::from(over).into()).whose(), "the system's fault");
+    }
+
+    #[test]
+    fn an_isovalue_is_blamed_for_what_another_one_mends() {
+        let of = |error: ExtractError| Fault::of(&PipelineError::from(error).into());
+        let long = of(ExtractError::TooLong { axis: 2, size: 1 << 31 });
+        assert_eq!((long.whose(), long.advice()), ("isokit's fault", "take a part with --roi"));
+        let iso = of(ExtractError::Iso(f64::NAN));
+        assert_eq!(iso.whose(), "the caller's fault");
+        assert!(iso.advice().contains("another isovalue"));
+    }
+
+    #[test]
+    fn memory_is_the_systems_in_reading_and_in_writing() {
+        let over = OverLimit { what: "edges", needed: 8, limit: 7 };
+        let read = PipelineError::from(ReadFault::from(over).at("a.nii"));
+        let write = PipelineError::from(WriteFault::from(over).at("a.ply"));
+        for error in [read, write] {
+            assert_eq!(Fault::of(&error.into()).whose(), "the system's fault");
+        }
     }
 
     #[test]

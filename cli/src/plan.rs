@@ -4,6 +4,7 @@
 mod convert;
 mod extract;
 mod palette;
+mod places;
 mod target;
 
 pub(crate) use convert::{ConvertPlan, ConvertTo};

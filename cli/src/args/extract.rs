@@ -2,7 +2,7 @@
 
 use super::{
     BoundaryArg, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg, PlacementArg,
-    SpaceArg, TopologyArg, VolumeArgs, memory,
+    SpaceArg, TopologyArg, VolumeArgs, memory, values,
 };
 use clap::Args;
 use isokit::pipeline::Region;
@@ -74,10 +74,11 @@ pub(crate) struct ExtractArgs {
     pub(crate) report: Option<PathBuf>,
     /// Extract N times, each time into fresh memory, and report the median time and all times
     #[arg(long, value_name = "N", requires = "report", conflicts_with = "repeat_warm")]
-    #[arg(help_heading = "Report")]
+    #[arg(value_parser = values::count, help_heading = "Report")]
     pub(crate) repeat: Option<NonZeroUsize>,
     /// The same in the memory of an extraction before, which is not timed
-    #[arg(long, value_name = "N", requires = "report", help_heading = "Report")]
+    #[arg(long, value_name = "N", requires = "report")]
+    #[arg(value_parser = values::count, help_heading = "Report")]
     pub(crate) repeat_warm: Option<NonZeroUsize>,
     #[command(flatten)]
     pub(crate) volume: VolumeArgs,

@@ -78,5 +78,24 @@ fn what_is_missing_or_excluded_is_named() {
     refused("extract a.nii --iso 1 -o a.glb --roi :,:,: --roi-mm :,:,:", "cannot be used with");
     refused("extract a.nii --iso 1 -o a.glb --repeat 3", "--report <FILE>");
     refused("check a.ply -q -v", "cannot be used with");
-    refused("check a.ply --threads 0", "invalid value '0'");
+}
+
+#[test]
+fn a_count_is_one_or_more() {
+    for option in ["--threads", "--repeat", "--repeat-warm"] {
+        let line = format!("extract a.nii --iso 1 -o a.glb --report r.json {option} 0");
+        refused(&line, ": expected 1 or more, found 0");
+    }
+}
+
+#[test]
+fn a_percentage_is_between_the_least_and_the_greatest() {
+    for percent in ["0%", "12.5%", "100%"] {
+        let args = extract(&format!("a.nii -o a.glb --iso {percent}"));
+        assert_eq!(args.iso[0].iso.to_string(), percent);
+    }
+    for percent in ["150%", "-5%", "1e308%", "100.0001%", "nan%"] {
+        let line = format!("extract a.nii -o a.glb --iso {percent}");
+        refused(&line, &format!("a percentage from 0% to 100%, or auto, found {percent:?}"));
+    }
 }

@@ -1,7 +1,7 @@
 //! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
 
 use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
-use std::{any::type_name, str::FromStr};
+use std::{any::type_name, num::NonZeroUsize, str::FromStr};
 
 /// `x,y,z`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +81,20 @@ fn surface_name(name: &str) -> Result<String, String> {
     }
 }
 
+/// Three sizes of which none is 0.
+pub(crate) fn sizes(text: &str) -> Result<Triple<u64>, String> {
+    let sizes: Triple<u64> = text.parse()?;
+    match sizes.0.contains(&0) {
+        true => Err(format!("expected sizes of 1 or more, found {text:?}")),
+        false => Ok(sizes),
+    }
+}
+
+/// How often, or how many.
+pub(crate) fn count(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| format!("expected 1 or more, found {text}"))
+}
+
 /// A number that is not negative.
 pub(crate) fn distance(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
@@ -99,7 +113,7 @@ pub(crate) fn unit(text: &str) -> Result<Unit, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LevelArg, SampleType, Triple, distance, unit};
+    use super::{LevelArg, SampleType, Triple, count, distance, sizes, unit};
     use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
 
     fn level(text: &str) -> Result<LevelArg, String> {
@@ -123,7 +137,10 @@ mod tests {
     #[test]
     fn a_level_that_is_none_is_refused_part_by_part() {
         for (text, refusal) in [
-            ("bone:300", "expected a number, a percentage such as 50%, or auto, found \"bone\""),
+            (
+                "bone:300",
+                "expected a number, a percentage from 0% to 100%, or auto, found \"bone\"",
+            ),
             ("300:", "expected a name after the first colon, found none"),
             ("300:bone:red", "expected #rrggbb or #rrggbbaa, found \"red\""),
             ("300:#12345", "expected #rrggbb or #rrggbbaa, found \"#12345\""),
@@ -143,6 +160,18 @@ mod tests {
         }
         let refusal = "expected three numbers x,y,z, found \"1,2\"".to_owned();
         assert_eq!("1,2".parse::<Triple<f64>>(), Err(refusal));
+    }
+
+    #[test]
+    fn sizes_and_counts_begin_with_one() {
+        assert_eq!(sizes("1,2,3"), Ok(Triple([1, 2, 3])));
+        for text in ["0,2,3", "1,0,3", "1,2,0"] {
+            assert_eq!(sizes(text), Err(format!("expected sizes of 1 or more, found {text:?}")));
+        }
+        assert_eq!(count("7").map(usize::from), Ok(7));
+        for text in ["0", "-1", "x", "", "1.5", "99999999999999999999"] {
+            assert_eq!(count(text), Err(format!("expected 1 or more, found {text}")));
+        }
     }
 
     #[test]

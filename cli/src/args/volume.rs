@@ -1,6 +1,6 @@
 //! What a volume file does not say, or says wrongly.
 
-use super::{SampleType, Triple};
+use super::{SampleType, Triple, values};
 use clap::Args;
 use isokit::io::{RawLayout, VolumeOptions};
 
@@ -9,7 +9,7 @@ use isokit::io::{RawLayout, VolumeOptions};
 #[command(next_help_heading = "Input volume")]
 pub(crate) struct VolumeArgs {
     /// Samples along x, y, z of a file without a header; x is fastest
-    #[arg(long, value_name = "X,Y,Z", requires = "dtype")]
+    #[arg(long, value_name = "X,Y,Z", requires = "dtype", value_parser = values::sizes)]
     dims: Option<Triple<u64>>,
     /// Sample type of a file without a header: u8 i8 u16 i16 u32 i32 f32 f64, then le (default) or be
     #[arg(long, value_name = "TYPE", requires = "dims")]

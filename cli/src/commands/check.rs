@@ -4,12 +4,13 @@ use super::weld;
 use crate::{
     Exit, Session,
     args::CheckArgs,
+    fault::CallerError,
     report::{CheckReport, MeshCounts, SurfaceReport, to_json},
     text::{counted, rounded},
 };
 use anyhow::Result;
 use isokit::{
-    io::{MeshInput, read_mesh},
+    io::{MeshInput, detect, read_mesh},
     mesh::{Surface, topology, weld_exact},
 };
 
@@ -21,7 +22,13 @@ pub(crate) fn run(args: &CheckArgs, session: &mut Session<'_, '_>) -> Result<Exi
 }
 
 fn check(args: &CheckArgs, session: &Session<'_, '_>) -> Result<CheckReport> {
-    let mut input = read_mesh(&args.mesh, &session.job)?;
+    let path = &args.mesh;
+    if detect(path)?.is_volume() {
+        let message = format!("{}: this is a volume, and `check` is for meshes", path.display());
+        let advice = "`isokit info` says what a volume holds, `isokit extract` makes a mesh of it";
+        return Err(CallerError { message, advice }.into());
+    }
+    let mut input = read_mesh(path, &session.job)?;
     weld(&mut input, args.weld.weld, session)?;
     let mut surfaces = vec![];
     for surface in &input.surfaces {
@@ -41,7 +48,7 @@ fn check(args: &CheckArgs, session: &Session<'_, '_>) -> Result<CheckReport> {
     Ok(CheckReport {
         schema: "isokit.check/1",
         ok,
-        path: args.mesh.display().to_string(),
+        path: path.display().to_string(),
         whole: whole.unwrap_or_default(),
         surfaces,
         notes,

@@ -62,6 +62,8 @@ fn mesh(
     }
     let mut input = read_mesh(path, &session.job)?;
     input.notes.iter().for_each(|note| session.console.note(note));
+    let names: Vec<&str> = input.surfaces.iter().map(|surface| surface.name.as_str()).collect();
+    plan.check_files(&names)?;
     place(&mut input, plan.space)?;
     weld(&mut input, distance, session)?;
     let context = MeshContext {

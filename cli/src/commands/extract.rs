@@ -49,7 +49,7 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     if plan.index {
         index(&mut scan, &mut timings, session)?;
     }
-    let isos = isos(&plan.levels, |choice, job| scan.iso(choice, job), session)?;
+    let isos = isos(plan, |choice, job| scan.iso(choice, job), session)?;
     let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
     let surfaces = surfaces(&plan.levels, &isos, meshes);
     for (surface, extracted) in surfaces.iter().zip(&extracted) {
@@ -89,9 +89,10 @@ fn index(scan: &mut Scan, timings: &mut Timings, session: &Session<'_, '_>) -> R
     Ok(())
 }
 
-/// The isovalues that were meant. What was chosen for the user is told.
+/// The isovalues that were meant. What was chosen for the user is told; names after it may turn out to be
+/// those of other files.
 pub(super) fn isos(
-    levels: &[LevelPlan],
+    plan: &ExtractPlan,
     find: impl Fn(IsoChoice, &Job) -> Result<f64, PipelineError>,
     session: &Session<'_, '_>,
 ) -> Result<Vec<f64>> {
@@ -102,7 +103,9 @@ pub(super) fn isos(
         }
         Ok(iso)
     };
-    levels.iter().map(iso).collect()
+    let isos = plan.levels.iter().map(iso).collect::<Result<Vec<f64>>>()?;
+    plan.check_files(&isos)?;
+    Ok(isos)
 }
 
 /// Says in how many cells the field itself touches.
@@ -149,17 +152,12 @@ fn meshes(
 /// The meshes with what files say of them.
 fn surfaces(levels: &[LevelPlan], isos: &[f64], meshes: Vec<TriMesh>) -> Vec<Surface> {
     let surface = |((level, &iso), mesh): ((&LevelPlan, &f64), TriMesh)| Surface {
-        name: surface_name(level, iso),
+        name: level.name(iso),
         color: level.color,
         iso: Some(iso),
         mesh,
     };
     levels.iter().zip(isos).zip(meshes).map(surface).collect()
-}
-
-/// The name that was chosen, or one after the isovalue.
-pub(super) fn surface_name(level: &LevelPlan, iso: f64) -> String {
-    level.name.clone().unwrap_or_else(|| format!("iso_{iso}"))
 }
 
 /// Says how large a surface is, and what is peculiar about it.

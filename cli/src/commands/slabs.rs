@@ -1,6 +1,6 @@
 //! `extract --max-memory`: from a volume to a mesh, a few slices at a time.
 
-use super::extract::{isos, surface_name, tell_singular};
+use super::extract::{isos, tell_singular};
 use crate::{
     Session,
     fault::CallerError,
@@ -46,9 +46,8 @@ pub(super) fn extract(
     let scan = if is_told { scan.observed() } else { scan };
     scan.notes().iter().for_each(|note| session.console.note(note));
     let budget = budget(plan, limit, &scan, if is_told { GAUGED } else { WRITTEN })?;
-    let isos = timed(&mut timings.read, || {
-        isos(&plan.levels, |choice, job| scan.iso(choice, job), session)
-    })?;
+    let isos =
+        timed(&mut timings.read, || isos(plan, |choice, job| scan.iso(choice, job), session))?;
     let heads = heads(&plan.levels, &isos);
     let Stream::File(path) = &plan.target.stream else {
         unreachable!("the plan has a file");
@@ -110,7 +109,7 @@ fn explained(error: PipelineError) -> anyhow::Error {
 
 fn heads(levels: &[LevelPlan], isos: &[f64]) -> Vec<SurfaceHead> {
     let head = |(level, &iso): (&LevelPlan, &f64)| SurfaceHead {
-        name: surface_name(level, iso),
+        name: level.name(iso),
         color: level.color,
         iso: Some(iso),
     };

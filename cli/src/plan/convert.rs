@@ -2,6 +2,7 @@
 
 use super::{
     MeshTarget, Stream,
+    places::Places,
     target::{is_volume, mesh_format, neither},
 };
 use crate::{
@@ -9,7 +10,10 @@ use crate::{
     fault::UsageError,
 };
 use anyhow::Result;
-use isokit::{io::VolumeOptions, pipeline::TargetSpace};
+use isokit::{
+    io::{VolumeOptions, mesh_files, volume_files},
+    pipeline::TargetSpace,
+};
 use std::path::PathBuf;
 
 /// Everything that `convert` needs to know.
@@ -35,7 +39,22 @@ impl ConvertPlan {
             Stream::File(path) if mesh_format(&path).is_none() => return Err(neither(&path).into()),
             Stream::File(_) | Stream::Stdout => to_mesh(&args)?,
         };
-        Ok(Self { input: args.input, space: args.space.into(), to })
+        let plan = Self { input: args.input, space: args.space.into(), to };
+        plan.check_files(&[])?;
+        Ok(plan)
+    }
+
+    /// Whether every file has a place of its own, if surfaces have these names.
+    pub(crate) fn check_files(&self, names: &[&str]) -> Result<(), UsageError> {
+        let files = match &self.to {
+            ConvertTo::Volume { path, .. } => volume_files(path),
+            ConvertTo::Mesh { target, .. } => match &target.stream {
+                Stream::File(path) => mesh_files(path, names.iter().copied()),
+                Stream::Stdout => vec![],
+            },
+        };
+        let mut places = Places::of_input(&self.input);
+        files.iter().try_for_each(|file| places.add("--output", file))
     }
 }
 

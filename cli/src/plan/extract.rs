@@ -1,13 +1,13 @@
 //! What `extract` will do.
 
-use super::{MeshTarget, Stream, TextTarget, palette};
+use super::{MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
     args::{ExtractArgs, LevelArg},
     fault::UsageError,
 };
 use anyhow::Result;
 use isokit::{
-    io::VolumeOptions,
+    io::{VolumeOptions, mesh_files},
     marching_cubes::ExtractOptions,
     mesh::Rgba,
     pipeline::{IsoChoice, Normals, Region, SurfaceOptions, TargetSpace},
@@ -36,7 +36,7 @@ pub(crate) struct ExtractPlan {
 pub(crate) struct LevelPlan {
     pub(crate) iso: IsoChoice,
     /// If there is none, the surface is named by its isovalue.
-    pub(crate) name: Option<String>,
+    pub(super) name: Option<String>,
     pub(crate) color: Option<Rgba>,
 }
 
@@ -75,7 +75,7 @@ impl ExtractPlan {
         if args.max_memory.is_some() {
             check_slabs(&target, &surface, repeat)?;
         }
-        Ok(Self {
+        let plan = Self {
             volume: args.volume.options(),
             input: args.volume_file,
             region: args.roi.or(args.roi_mm).unwrap_or_default(),
@@ -87,7 +87,56 @@ impl ExtractPlan {
             report,
             repeat,
             max_memory: args.max_memory,
-        })
+        };
+        // An isovalue that is still to be found makes a name that is still to be checked.
+        let isos: Vec<f64> = plan.levels.iter().filter_map(LevelPlan::value).collect();
+        match isos.len() == plan.levels.len() {
+            true => plan.check_files(&isos)?,
+            false => plan.check_files(&[])?,
+        }
+        Ok(plan)
+    }
+
+    /// Whether every file has a place of its own, with an isovalue for each level; without isovalues, as
+    /// far as that can be told.
+    pub(crate) fn check_files(&self, isos: &[f64]) -> Result<(), UsageError> {
+        let mut places = Places::of_input(&self.input);
+        if self.index {
+            places.add("--index", &self.index_file())?;
+        }
+        if let Stream::File(path) = &self.target.stream {
+            let names: Vec<String> =
+                self.levels.iter().zip(isos).map(|(level, &iso)| level.name(iso)).collect();
+            let names = names.iter().map(String::as_str);
+            mesh_files(path, names).iter().try_for_each(|file| places.add("--output", file))?;
+        }
+        match &self.report {
+            Some(Stream::File(path)) => places.add("--report", path),
+            _ => Ok(()),
+        }
+    }
+
+    fn index_file(&self) -> PathBuf {
+        let number = self.volume.volume_index.filter(|index| *index > 0);
+        let number = number.map_or(String::new(), |index| format!(".{index}"));
+        let mut name = self.input.clone().into_os_string();
+        name.push(format!("{number}.bricks"));
+        name.into()
+    }
+}
+
+impl LevelPlan {
+    /// The isovalue, where it was typed.
+    fn value(&self) -> Option<f64> {
+        match self.iso {
+            IsoChoice::Value(iso) => Some(iso),
+            _ => None,
+        }
+    }
+
+    /// The name that was chosen, or one after the isovalue.
+    pub(crate) fn name(&self, iso: f64) -> String {
+        self.name.clone().unwrap_or_else(|| format!("iso_{iso}"))
     }
 }
 

@@ -59,7 +59,15 @@ fn vertices_stored_apart_are_welded_on_request_and_hinted_at() {
 
 #[test]
 fn a_volume_is_no_mesh() {
-    let ran = Folder::with_ball().run("check ball.nii");
-    assert_eq!(ran.exit, Exit::Failed);
-    assert!(ran.err.contains("volume"), "{}", ran.err);
+    let folder = Folder::with_ball();
+    folder.done("convert ball.nii -o ball.npy");
+    folder.done("convert ball.nii -o ball.raw");
+    for name in ["ball.nii", "ball.npy", "ball.raw"] {
+        let ran = folder.run(&format!("check {name}"));
+        assert_eq!(ran.exit, Exit::Failed);
+        let says = ["this is a volume, and `check` is for meshes", "`isokit info` says what"];
+        for words in says {
+            assert!(ran.err.contains(words), "{}", ran.err);
+        }
+    }
 }

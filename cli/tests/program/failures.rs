@@ -23,7 +23,7 @@ fn wrong_usage_is_status_2() {
     let folder = Folder::with_ball();
     fails(&folder, "extract ball.nii --iso 50 -o a.xyz", Exit::Usage, &["found .xyz"]);
     fails(&folder, "extract ball.nii -o a.ply", Exit::Usage, &["--iso"]);
-    let refusal = "expected a number, a percentage such as 50%, or auto, found \"skin\"";
+    let refusal = "expected a number, a percentage from 0% to 100%, or auto, found \"skin\"";
     fails(&folder, "extract ball.nii --iso skin:3 -o a.ply", Exit::Usage, &[refusal]);
     fails(&folder, "extract ball.nii --iso 50 -o a.ply --smooth 3", Exit::Usage, &["--smooth"]);
 }
@@ -93,6 +93,25 @@ fn an_interrupt_is_status_130_and_leaves_nothing() {
     assert_eq!((exit, exit.code()), (Exit::Interrupted, 130));
     assert!(err.starts_with(b"error: interrupted"));
     assert_eq!(folder.names(), ["ball.nii"]);
+}
+
+#[test]
+fn sizes_that_were_typed_are_the_callers() {
+    let folder = Folder::new();
+    fs::write(folder.path("a.raw"), [7; 27]).unwrap();
+    let caller = "the caller's fault: ";
+    for (options, says) in [
+        ("3,3,4", "sizes and sample type describe 36 bytes, the file has 27\n"),
+        ("3,3,3 --skip 1", "describe 27 bytes, the file has 26 after 1 that are skipped"),
+        ("3,3,3 --skip 99", "describe 27 bytes, the file has 0 after 99 that are skipped"),
+        ("3,3,2", "describe 18 bytes, the file has 27"),
+        ("4294967296,4294967296,4", "more samples than 64 bits can count"),
+    ] {
+        let line = format!("info a.raw --dtype u8 --json --dims {options}");
+        fails(&folder, &line, Exit::Failed, &[says, caller]);
+    }
+    let zero = "expected sizes of 1 or more, found \"3,3,0\"";
+    fails(&folder, "info a.raw --dtype u8 --dims 3,3,0", Exit::Usage, &[zero]);
 }
 
 #[test]

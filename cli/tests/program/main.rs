@@ -7,6 +7,7 @@ mod failures;
 mod index;
 mod info;
 mod kit;
+mod places;
 mod report;
 mod slabs;
 mod streams;

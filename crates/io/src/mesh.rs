@@ -101,6 +101,22 @@ pub fn write_mesh(
     Ok(written)
 }
 
+/// The files that [`write_mesh`] makes for surfaces of these names, those beside `path` included. A name that
+/// it refuses comes back alone.
+pub fn mesh_files<'a>(
+    path: &Path,
+    names: impl IntoIterator<Item = &'a str, IntoIter: ExactSizeIterator>,
+) -> Vec<PathBuf> {
+    let Ok(format) = format_of(path) else { return vec![path.to_owned()] };
+    let beside = match format {
+        Format::Gltf => Some(path.with_extension("bin")),
+        Format::Obj => Some(path.with_extension("mtl")),
+        _ => None,
+    };
+    let own = paths(format, path, names.into_iter());
+    beside.into_iter().chain(own).collect()
+}
+
 /// Writes surfaces as one stream: GLB, OBJ without materials, or one surface as PLY or STL.
 ///
 /// # Errors

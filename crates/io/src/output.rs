@@ -28,6 +28,9 @@ enum Target {
 /// Bytes gathered before the system is asked to write.
 const BUFFER: usize = 1 << 20;
 
+/// Links that are followed, one leading to the next: as many as Linux follows.
+const LINKS: usize = 40;
+
 impl Output {
     /// Begins to write what will stand at `path`.
     ///
@@ -46,7 +49,10 @@ impl Output {
             return Ok(Target::Direct(BufWriter::with_capacity(BUFFER, file)));
         }
         // A link stays a link: the file that it leads to is replaced.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let path = Self::place(path);
+        if path.is_symlink() {
+            return Err(io::Error::other("links lead around in a ring"));
+        }
         let folder = match path.parent() {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
@@ -59,16 +65,52 @@ impl Output {
             // As for any new file: the system takes away what the user's mask forbids.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        Ok(Target::Beside(BufWriter::with_capacity(BUFFER, builder.tempfile_in(folder)?)))
+        let file = builder.tempfile_in(folder)?;
+        #[cfg(unix)]
+        if let Ok(old) = fs::metadata(&path) {
+            use std::os::unix::fs::PermissionsExt;
+            let mode = |facts: fs::Metadata| facts.permissions().mode() & 0o777;
+            let (old, new) = (mode(old), mode(file.as_file().metadata()?));
+            // What stands there has its permissions for a reason.
+            if old != new {
+                file.as_file().set_permissions(fs::Permissions::from_mode(old))?;
+            }
+        }
+        Ok(Target::Beside(BufWriter::with_capacity(BUFFER, file)))
+    }
+
+    /// Where a file at `path` lies or will lie: absolute if its folder is there, and all links followed, even
+    /// one that leads to no file yet.
+    pub fn place(path: &Path) -> PathBuf {
+        let mut path = path.to_owned();
+        for _ in 0..LINKS {
+            if let Ok(place) = fs::canonicalize(&path) {
+                return place;
+            }
+            let Ok(next) = fs::read_link(&path) else { break };
+            path = path.parent().unwrap_or(Path::new("")).join(next);
+        }
+        let folder = path.parent().map(|folder| match folder == Path::new("") {
+            true => Path::new("."),
+            false => folder,
+        });
+        match (folder.and_then(|folder| fs::canonicalize(folder).ok()), path.file_name()) {
+            (Some(folder), Some(name)) => folder.join(name),
+            _ => path,
+        }
     }
 
     /// Gives the file its name.
     ///
+    /// The system has then taken all of it; that it is on the disk, should the power fail, is not waited
+    /// for.
+    ///
     /// # Errors
     ///
-    /// If what was written cannot be brought to the disk or renamed; nothing is then left behind.
+    /// If the system does not take what was written, or if it cannot be renamed; nothing is then left
+    /// behind.
     pub fn finish(self) -> Result<(), WriteError> {
-        let place = fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
+        let place = Self::place(&self.path);
         let done = match self.target {
             Target::Direct(mut writer) => writer.flush(),
             Target::Beside(writer) => writer
@@ -179,5 +221,47 @@ mod tests {
         output.finish().unwrap();
         assert!(link.is_symlink());
         assert_eq!(fs::read(&file).unwrap(), b"new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_file_that_is_not_there_yet_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let [file, near, far] = ["file", "near", "far"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink("file", &near).unwrap();
+        std::os::unix::fs::symlink(&near, &far).unwrap();
+        assert_eq!(Output::place(&far), Output::place(&file));
+        let mut output = Output::create(&far).unwrap();
+        output.write_all(b"new").unwrap();
+        output.finish().unwrap();
+        assert!(far.is_symlink() && near.is_symlink() && !file.is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_ring_of_links_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink(&a, &b).unwrap();
+        std::os::unix::fs::symlink(&b, &a).unwrap();
+        assert!(Output::create(&a).is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_private_file_stays_private() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mesh.ply");
+        for mode in [0o600, 0o640, 0o755] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            let mut output = Output::create(&path).unwrap();
+            output.write_all(b"new").unwrap();
+            output.finish().unwrap();
+            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, mode);
+        }
     }
 }

@@ -32,7 +32,7 @@ mod write;
 pub use bricks::{BrickFile, NoBricks};
 pub use open::{VolumeFile, open_volume, read_volume};
 pub use slices::FileSlices;
-pub use write::write_volume;
+pub use write::{volume_files, write_volume};
 
 use crate::{Endian, Format, ReadFault};
 use isokit_geom::{Affine, Space, Unit};

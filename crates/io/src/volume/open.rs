@@ -125,6 +125,9 @@ fn chosen(
 /// The lattice, if all its volumes together can be counted.
 fn lattice(format: Format, dims: [u64; 3], volumes: u64, frame: Frame) -> Result<Grid, ReadFault> {
     let broken = |found: String| {
+        if format == Format::Raw {
+            return ReadFault::Caller(found.into()); // no header says so, the caller does
+        }
         let (place, expected) = (Place::Byte(0), "sizes that make a lattice".into());
         ReadFault::Broken { format, place, expected, found }
     };

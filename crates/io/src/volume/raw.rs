@@ -35,6 +35,17 @@ pub(super) fn too_long(stored: &Stored, more: u64) -> ReadFault {
     ReadFault::Caller(fault.into())
 }
 
+/// Fewer bytes than the samples need.
+pub(super) fn too_short(needed: u64, held: u64, skip: Skip) -> ReadFault {
+    let after = match skip {
+        Skip::Bytes(skip) if skip > 0 => format!(" after {skip} that are skipped"),
+        _ => String::new(),
+    };
+    let fault =
+        format!("sizes and sample type describe {needed} bytes, the file has {held}{after}");
+    ReadFault::Caller(fault.into())
+}
+
 /// A name ends in `.raw`, and nobody said what is in the file.
 pub(super) fn needs_layout(path: &Path) -> ReadError {
     let fault = "a file without header: give its sizes and sample type (--dims, --dtype)";

@@ -1,6 +1,6 @@
 //! Where samples lie in their files, and in what code.
 
-use super::files::DataFiles;
+use super::{files::DataFiles, raw};
 use crate::{
     Endian, Format, ReadError, ReadFault,
     bytes::{Bytes, Layer},
@@ -126,6 +126,9 @@ impl Stored {
     /// Fewer bytes than samples need.
     pub(super) fn truncated(&self, samples: u64, held: u64) -> ReadFault {
         let announced = self.least_bytes(samples);
+        if self.format == Format::Raw {
+            return raw::too_short(announced, held, self.skip);
+        }
         ReadFault::Truncated { format: self.format, what: "samples", announced, held }
     }
 

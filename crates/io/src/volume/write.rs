@@ -9,7 +9,10 @@ use crate::{Output, WriteError, WriteFault};
 use flate2::{Compression, write::GzEncoder};
 use isokit_job::Job;
 use isokit_volume::{AnyVolume, Dtype, Sample, Volume, for_any};
-use std::{io::Write, path::Path};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 /// What is written for a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +56,13 @@ pub fn write_volume(path: &Path, volume: &AnyVolume, job: &Job) -> Result<(), Wr
     let mut out = Output::create(path)?;
     write(&mut out, volume, job).map_err(at)?;
     out.finish()
+}
+
+/// The files that [`write_volume`] makes for `path`, those beside it included.
+pub fn volume_files(path: &Path) -> Vec<PathBuf> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let data = ending.eq_ignore_ascii_case("nhdr").then(|| path.with_extension("raw"));
+    data.into_iter().chain([path.to_owned()]).collect()
 }
 
 fn write_gzip(out: &mut Output, volume: &AnyVolume, job: &Job) -> Result<(), WriteFault> {

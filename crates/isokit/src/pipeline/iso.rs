@@ -12,7 +12,7 @@ pub enum IsoChoice {
     Value(f64),
     /// The value that splits the samples into two classes of the least spread (Otsu 1979).
     Auto,
-    /// So many hundredths of the way from the least finite value to the greatest.
+    /// So many hundredths of the way from the least finite value to the greatest; 0 to 100.
     Percent(f64),
 }
 
@@ -56,7 +56,7 @@ fn finite_range(facts: &impl Facts, job: &Job) -> Result<Option<[f64; 2]>, Pipel
 
 /// Not an isovalue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected a number, a percentage such as 50%, or auto, found {0:?}")]
+#[error("expected a number, a percentage from 0% to 100%, or auto, found {0:?}")]
 pub struct ParseIsoError(String);
 
 impl FromStr for IsoChoice {
@@ -66,7 +66,9 @@ impl FromStr for IsoChoice {
         let number = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite());
         let found = match text.strip_suffix('%') {
             _ if text == "auto" => Some(Self::Auto),
-            Some(percent) => number(percent).map(Self::Percent),
+            Some(percent) => {
+                number(percent).filter(|part| (0.0..=100.0).contains(part)).map(Self::Percent)
+            }
             None => number(text).map(Self::Value),
         };
         found.ok_or_else(|| ParseIsoError(text.to_owned()))
@@ -102,9 +104,9 @@ mod tests {
 
     #[test]
     fn a_refusal_names_what_was_expected_and_found() {
-        for text in ["", "bone", "nan", "inf", "1e999", "%", "3,5", "-o"] {
+        for text in ["", "bone", "nan", "inf", "1e999", "%", "3,5", "-o", "150%", "-5%", "1e308%"] {
             let error = text.parse::<IsoChoice>().unwrap_err().to_string();
-            let expected = "expected a number, a percentage such as 50%, or auto, found";
+            let expected = "expected a number, a percentage from 0% to 100%, or auto, found";
             assert_eq!(error, format!("{expected} {text:?}"));
         }
     }
