@@ -101,3 +101,13 @@ fn words_agree_with_the_definition_across_words_and_rows() {
         check(&low, None, points);
     }
 }
+
+#[test]
+fn no_rows_have_no_words() {
+    let bits = BitRows::new(&[], Some(&[]), 100);
+    for level in Level::available() {
+        let mut words = vec![Word::default()];
+        words_of_rows_at(*level, &bits, 0..0, &mut words);
+        assert_eq!(words, [], "{level}");
+    }
+}
