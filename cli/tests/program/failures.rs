@@ -1,9 +1,12 @@
 //! What fails, with which status and which words, and leaves nothing behind.
 
-use crate::kit::{Folder, ball};
+use crate::kit::{DIMS, Folder, ball};
 use isokit::{geom::Space, job::CancelToken};
 use isokit_cli::{Exit, run_cancellable};
-use std::fs;
+use std::{
+    fs,
+    io::{self, Write},
+};
 
 #[track_caller]
 fn fails(folder: &Folder, line: &str, exit: Exit, says: &[&str]) {
@@ -72,27 +75,90 @@ fn nan_is_an_error_until_someone_says_what_it_means() {
 #[test]
 fn an_old_output_stands_until_the_new_one_is_whole() {
     let folder = Folder::with_ball();
-    fs::write(folder.path("a.ply"), "old").unwrap();
-    folder.run("extract ball.nii --iso 50 --roi 3:99,:,: -o a.ply");
-    assert_eq!(fs::read(folder.path("a.ply")).unwrap(), b"old");
-    folder.done("extract ball.nii --iso 50 -o a.ply");
-    assert!(fs::read(folder.path("a.ply")).unwrap().starts_with(b"ply\n"));
+    let mesh = folder.path("a.ply");
+    fs::write(&mesh, "old").unwrap();
+    let mut seen = vec![];
+    let look = || seen.push((fs::read(&mesh).unwrap(), half_made(&folder)));
+    let exit = when_extracted(&folder, &CancelToken::default(), look).0;
+    assert_eq!(exit, Exit::Done);
+    assert_eq!(seen, [(b"old".to_vec(), 1)], "beside the new one, which is not whole yet");
+    assert!(fs::read(&mesh).unwrap().starts_with(b"ply\n"));
     assert_eq!(folder.names(), ["a.ply", "ball.nii"]);
+}
+
+#[test]
+fn an_old_output_stands_when_the_last_slice_fails() {
+    let folder = Folder::new();
+    let last = |ijk: [usize; 3]| if ijk[2] == DIMS[2] - 1 { f32::NAN } else { ball(ijk) };
+    folder.volume("last.nii", Space::Ras, last);
+    fs::write(folder.path("a.ply"), "old").unwrap();
+    let line = format!("extract last.nii --iso 50 -o a.ply{FEW_SLICES}");
+    fails(&folder, &line, Exit::Failed, &["samples that are NaN: 224", "the file's fault"]);
+    assert_eq!(fs::read(folder.path("a.ply")).unwrap(), b"old");
+    folder.done(&format!("{line} --nan outside"));
+    assert!(fs::read(folder.path("a.ply")).unwrap().starts_with(b"ply\n"));
 }
 
 #[test]
 fn an_interrupt_is_status_130_and_leaves_nothing() {
     let folder = Folder::with_ball();
+    let (cancel, mut begun) = (CancelToken::default(), 0);
+    let interrupt = || {
+        begun = half_made(&folder);
+        cancel.cancel();
+    };
+    let (exit, err) = when_extracted(&folder, &cancel, interrupt);
+    assert_eq!(begun, 1, "there is something to leave");
+    assert_eq!((exit, exit.code()), (Exit::Interrupted, 130));
+    assert!(err.contains("\nerror: interrupted"), "{err}");
+    assert_eq!(folder.names(), ["ball.nii"]);
+}
+
+/// A few slices of the ball at a time: the first pieces of the mesh are on the disk before the last slice
+/// is read.
+const FEW_SLICES: &str = " --max-memory 44039KiB";
+
+/// Outputs that were begun and have no name yet.
+fn half_made(folder: &Folder) -> usize {
+    folder.names().iter().filter(|name| name.starts_with(".isokit-")).count()
+}
+
+/// Makes `a.ply` of the ball, and does something as soon as its size is told: all pieces are made then, and
+/// the file is not.
+fn when_extracted(
+    folder: &Folder,
+    cancel: &CancelToken,
+    mut act: impl FnMut() + Send,
+) -> (Exit, String) {
     let (ball, mesh) = (folder.path("ball.nii"), folder.path("a.ply"));
-    let cancel = CancelToken::default();
-    cancel.cancel();
     let words = ["isokit", "extract", ball.to_str().unwrap(), "--iso", "50", "-o"];
     let words = words.into_iter().chain([mesh.to_str().unwrap()]);
-    let (mut out, mut err) = (vec![], vec![]);
-    let exit = run_cancellable(words, &mut out, &mut err, &cancel);
-    assert_eq!((exit, exit.code()), (Exit::Interrupted, 130));
-    assert!(err.starts_with(b"error: interrupted"));
-    assert_eq!(folder.names(), ["ball.nii"]);
+    let words = words.chain(FEW_SLICES.split_whitespace());
+    let mut err = Listener { heard: vec![], act: &mut act };
+    let exit = run_cancellable(words, &mut vec![], &mut err, cancel);
+    (exit, String::from_utf8(err.heard).unwrap())
+}
+
+/// Acts once, when a surface is told.
+struct Listener<'a> {
+    heard: Vec<u8>,
+    act: &'a mut (dyn FnMut() + Send),
+}
+
+impl Write for Listener<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let is_told = |heard: &[u8]| heard.windows(9).any(|word| word == b" vertices");
+        let was_told = is_told(&self.heard);
+        self.heard.extend(bytes);
+        if !was_told && is_told(&self.heard) {
+            (self.act)();
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 #[test]

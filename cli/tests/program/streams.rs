@@ -1,6 +1,7 @@
 //! What goes to stdout and what to stderr.
 
 use crate::kit::Folder;
+use isokit::lanes::Level;
 use isokit_cli::{Exit, run};
 use std::{
     fs,
@@ -108,4 +109,30 @@ fn completions_and_manual_pages_come_from_the_same_definition() {
     assert!(folder.names().contains(&"isokit-extract.1".to_owned()), "{:?}", folder.names());
     let page = fs::read_to_string(folder.path("isokit-extract.1")).unwrap();
     assert!(page.contains("degenerate"), "{page}");
+}
+
+/// What the program says on stderr, and its status, with `ISOKIT_SIMD` in its environment.
+fn with_level(folder: &Folder, level: &str) -> (Option<i32>, String) {
+    let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_isokit"));
+    process.args(["extract", "ball.nii", "--iso", "50", "-o", "a.ply"]);
+    let done = process.current_dir(folder.path("")).env("ISOKIT_SIMD", level).output().unwrap();
+    (done.status.code(), String::from_utf8(done.stderr).unwrap())
+}
+
+#[test]
+fn instructions_that_there_are_not_are_refused_or_warned_of() {
+    let folder = Folder::with_ball();
+    let (status, told) = with_level(&folder, "avx-512");
+    assert_eq!(status, Some(2), "{told}");
+    let refusal = "error: ISOKIT_SIMD: expected one of portable avx2 avx512, found \"avx-512\"";
+    assert!(told.starts_with(refusal), "{told}");
+    assert_eq!(folder.names(), ["ball.nii"]);
+    for level in Level::ALL {
+        let (status, told) = with_level(&folder, level.name());
+        assert_eq!(status, Some(0), "{told}");
+        let has_it = Level::available().contains(&level);
+        let warning = format!("warning: ISOKIT_SIMD: this machine has no {level}; ");
+        assert_eq!(told.contains(&warning), !has_it, "{told}");
+    }
+    assert_eq!(with_level(&folder, "").0, Some(0), "empty is as good as unset");
 }

@@ -1,6 +1,6 @@
 //! What the machine can run.
 
-use std::{env, fmt, sync::OnceLock};
+use std::{env, fmt, str::FromStr, sync::OnceLock};
 
 /// A set of instructions, from the one that every machine has upwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -14,7 +14,14 @@ pub enum Level {
     Avx512,
 }
 
+/// The name of a level that there is not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownLevel(String);
+
 impl Level {
+    /// Every level, least first.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
     /// The levels that this machine can run, least first.
     pub fn available() -> &'static [Self] {
         static AVAILABLE: OnceLock<Vec<Level>> = OnceLock::new();
@@ -38,15 +45,26 @@ impl Level {
     }
 
     /// The level that every loop of this process uses: the greatest there is, or the one that
-    /// `ISOKIT_SIMD` names, where the machine has it.
+    /// `ISOKIT_SIMD` names, where the machine has it. What else stands there is ignored;
+    /// [`asked_for`](Self::asked_for) tells.
     pub fn current() -> Self {
         static CURRENT: OnceLock<Level> = OnceLock::new();
         *CURRENT.get_or_init(|| {
             let available = Self::available();
-            let wanted = env::var("ISOKIT_SIMD").ok();
-            let named = available.iter().find(|level| Some(level.name()) == wanted.as_deref());
-            named.copied().unwrap_or_else(Self::greatest)
+            let wanted = Self::asked_for().ok().flatten();
+            wanted.filter(|level| available.contains(level)).unwrap_or_else(Self::greatest)
         })
+    }
+
+    /// The level that `ISOKIT_SIMD` names, whether the machine has it or not; `None` if it is not set, or
+    /// empty.
+    ///
+    /// # Errors
+    ///
+    /// If it names none.
+    pub fn asked_for() -> Result<Option<Self>, UnknownLevel> {
+        let name = env::var_os("ISOKIT_SIMD").filter(|name| !name.is_empty());
+        name.map(|name| name.to_string_lossy().parse()).transpose()
     }
 
     /// Comes back only if the machine can run this level.
@@ -71,8 +89,48 @@ impl Level {
     }
 }
 
+impl FromStr for Level {
+    type Err = UnknownLevel;
+
+    fn from_str(name: &str) -> Result<Self, UnknownLevel> {
+        let level = Self::ALL.into_iter().find(|level| level.name() == name);
+        level.ok_or_else(|| UnknownLevel(name.to_owned()))
+    }
+}
+
+impl fmt::Display for UnknownLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = Level::ALL.map(Level::name).join(" ");
+        write!(f, "expected one of {names}, found {:?}", self.0)
+    }
+}
+
+impl std::error::Error for UnknownLevel {}
+
 impl fmt::Display for Level {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Level;
+
+    #[test]
+    fn a_level_is_known_by_its_name_and_by_no_other() {
+        for level in Level::ALL {
+            assert_eq!(level.name().parse(), Ok(level));
+        }
+        for name in ["AVX2", "avx", "avx2 ", "sse2", ""] {
+            let refusal = name.parse::<Level>().unwrap_err().to_string();
+            assert_eq!(refusal, format!("expected one of portable avx2 avx512, found {name:?}"));
+        }
+    }
+
+    #[test]
+    fn what_a_machine_can_run_begins_with_all_levels_in_order() {
+        assert!(Level::ALL.starts_with(Level::available()) && !Level::available().is_empty());
+        assert!(Level::ALL.is_sorted());
     }
 }

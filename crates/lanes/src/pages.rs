@@ -58,13 +58,25 @@ pub fn return_large_memory_when_freed() {
 
 #[cfg(test)]
 mod tests {
-    use super::prefer_large_pages;
+    use super::{prefer_large_pages, provide};
 
     #[test]
     fn what_is_in_memory_stays() {
         for bytes in [0, 1, 4 << 20, (9 << 20) + 5] {
             let mut memory: Vec<u8> = (0..bytes).map(|i| (i % 251) as u8).collect();
             prefer_large_pages(&mut memory);
+            assert!(memory.iter().enumerate().all(|(i, &byte)| byte == (i % 251) as u8));
+        }
+    }
+
+    #[test]
+    fn what_is_in_memory_stays_when_pages_are_provided() {
+        for bytes in [0, 1, 4096, 4 << 20, (9 << 20) + 5] {
+            let mut memory: Vec<u8> = (0..bytes).map(|i| (i % 251) as u8).collect();
+            for start in [0, 1, 4095].map(|start| start.min(bytes)) {
+                provide(&mut memory[start..]);
+            }
+            provide(memory.spare_capacity_mut());
             assert!(memory.iter().enumerate().all(|(i, &byte)| byte == (i % 251) as u8));
         }
     }

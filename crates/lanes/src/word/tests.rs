@@ -153,3 +153,13 @@ fn open_words_are_those_with_a_cell_of_a_code_that_leaves_something_open() {
         }
     }
 }
+
+#[test]
+fn no_rows_have_no_words() {
+    let bits = BitRows::new(&[], Some(&[]), 100);
+    for level in Level::available() {
+        let mut words = vec![Word::default()];
+        words_of_rows_at(*level, &bits, 0..0, &mut words);
+        assert_eq!(words, [], "{level}");
+    }
+}

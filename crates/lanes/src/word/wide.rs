@@ -151,11 +151,11 @@ impl<'a> Eights<'a> {
 
     /// Begins with the rows that are left: all but the last of all, or that one. None if none are.
     fn take_rows(&mut self) -> bool {
-        let first = self.left.start;
-        let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
         if self.left.is_empty() {
             return false;
         }
+        let first = self.left.start;
+        let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
         self.flat = self.bits.flat(first..end);
         (self.at, self.wanted, self.place) = (0, self.flat[0].len(), [first, 0]);
         self.has_cells = self.bits.has_cells(first);
