@@ -92,7 +92,9 @@ fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan, copies: u64) -> Resul
     let budget = scan.budget(left, (plan.levels.len() as u64, copies), &plan.surface);
     Ok(budget.map_err(|over| {
         let needed = over.needed.saturating_add(BASE).div_ceil(1 << 20);
-        let message = format!("--max-memory is too little: four slices need {needed}MiB in all");
+        let slices = plan.surface.extract.placement.least_window();
+        let message =
+            format!("--max-memory is too little: {slices} slices need {needed}MiB in all");
         CallerError { message, advice: "allow as much, or take a part of each slice with --roi" }
     })?)
 }

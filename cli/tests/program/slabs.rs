@@ -11,7 +11,7 @@ use std::fs;
 fn limits(words: &str) -> Vec<String> {
     let room = 40 * 1024 + 3 * 1024 * words.matches("--iso ").count();
     let slices = match words.contains("--placement") {
-        true => [18, 20, 22, 1 << 20],
+        true => [21, 23, 26, 1 << 20],
         false => [7, 9, 13, 1 << 20],
     };
     slices.iter().map(|slices| format!("{}KiB", room + slices)).collect()
