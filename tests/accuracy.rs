@@ -70,7 +70,6 @@ fn check(name: &str, field: &Field) {
         let errors = GRIDS.map(|points| errors(field, &surface(field, points, placement)));
         let [places, normals] = [0, 1].map(|n| order(errors.map(|both| both[n])));
         let says = format!("{name}, {placement:?}: {places:.2}, {normals:.2} from {errors:?}");
-        println!("{says}");
         assert!(places >= of_places, "places of {says}");
         // Normals are f32, which ends what can be seen of their order.
         assert!(normals >= of_normals || errors[3][1] < 4e-8, "normals of {says}");

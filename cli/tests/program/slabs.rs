@@ -13,7 +13,7 @@ fn limits(words: &str) -> Vec<String> {
     // Where all cells may be special, a slice takes four times as much.
     let times = if words.contains("trilinear") { 4 } else { 1 };
     let slices = match words.contains("--placement") {
-        true => [18, 20, 22, 1 << 20],
+        true => [21, 23, 26, 1 << 20],
         false => [7, 9, 13, 1 << 20],
     };
     slices.iter().map(|slices| format!("{}KiB", room + times * slices)).collect()
