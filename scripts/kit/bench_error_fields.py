@@ -230,6 +230,23 @@ class Drilled(Field):
         foot, normal = self._nearest((points - CENTRE) @ turned())
         return CENTRE + foot @ turned().T, normal @ turned().T
 
+    def cloud(self, count: int) -> np.ndarray:
+        """Chance points on each face by its area: those near a crease would move onto it."""
+        random = np.random.default_rng(1)
+        turn, height = 2 * np.pi * self.radius, 2 * self.half[2]
+        sides = 4 * self.half.prod() / self.half
+        share = np.array([turn * height, *np.repeat(sides, 2)])
+        face = random.choice(7, size=2 * count, p=share / share.sum())
+        own = random.uniform(-self.half, self.half, (2 * count, 3))
+        angle = random.uniform(0, 2 * np.pi, 2 * count)
+        ring = self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        own[face == 0, :2] = ring[face == 0]
+        for n in range(6):
+            axis, side = divmod(n, 2)
+            own[face == n + 1, axis] = (2 * side - 1) * self.half[axis]
+        hole = (face > 4) & (length(own[:, :2]) < self.radius)
+        return CENTRE + own[~hole][:count] @ turned().T
+
     def _nearest(self, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         around = unit(own * (1, 1, 0))
         wall = self.radius * around
@@ -251,7 +268,7 @@ class Drilled(Field):
 
 
 class Gyroid(Smooth):
-    """sin x cos y + sin y cos z + sin z cos x by its typical slope, nearly a distance; two periods."""
+    """sin x cos y + sin y cos z + sin z cos x by its typical slope, nearly a distance."""
 
     closed = False
     wave = 2 * np.pi

@@ -87,7 +87,7 @@ def of_triangles(
 
 
 def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest point of the surface and its normal; where in doubt, also from the cloud's nearest."""
+    """The nearest points of the surface, with normals; in doubt also from the cloud."""
     foot, normal = np.empty_like(points), np.empty_like(points)
     for low in range(0, len(points), CHUNK):
         part = slice(low, low + CHUNK)
@@ -105,7 +105,7 @@ def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.nda
 
 
 def near(points: np.ndarray, queries: np.ndarray, cell: float, count: int) -> np.ndarray:
-    """For each query the `count` nearest points, by cubes of side `cell`, doubled where too small."""
+    """For each query the `count` nearest points, by cubes of side `cell`, doubled if too small."""
     count = min(count, len(points))
     result = np.empty((len(queries), count), np.int64)
     left = np.arange(len(queries))
@@ -171,7 +171,7 @@ def to_mesh(mesh: Mesh, points: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def to_triangles(p: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Row by row the distance of a point from a triangle: above it, or to the nearest of its sides."""
+    """Row by row the distance of a point from a triangle: from its plane, or its nearest side."""
     across = unit(np.cross(b - a, c - a))
     inside = length(across) > 0
     least = np.full(len(p), np.inf)

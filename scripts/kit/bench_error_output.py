@@ -72,6 +72,8 @@ def table(runs: list[dict]) -> str:
         METHOD,
         "",
     ]
+    warnings = dict.fromkeys(run["warning"] for run in runs if run["warning"])
+    parts[2:2] = [line for warning in warnings for line in (f"**{warning}**", "")][:2]
     for run in runs:
         parts += section(run, first)
     missing = {f"{name}: {reason}" for run in runs for name, reason in run["absent"].items()}
@@ -85,10 +87,12 @@ def section(run: dict, first: dict) -> list[str]:
     """One field."""
     curves = by_tool(run)
     finest = max(point["n"] for point in run["points"])
-    head = f"{run['rounds']} rounds, {run['dtype']}, {run['threads']} thread{'s' * (run['threads'] > 1)}; "
-    head += "load {start:.2f} at the start, {end:.2f} at the end. ".format(**run["load"])
+    threads = f"{run['threads']} thread{'s' * (run['threads'] > 1)}"
+    head = f"{run['rounds']} rounds, {run['dtype']}, {threads}; "
+    loads = [load for pair in run["loads"] for load in pair]
+    head += f"load {min(loads):.2f} to {max(loads):.2f}, its own work included. "
     if same(run) != same(first):
-        head += f"Measured {run['date']} on {run['machine']['cpu']}, isokit {run['versions']['isokit']}. "
+        head += "Measured {} on {}, isokit {}. ".format(*same(run))
     sampling = ", ".join(f"{1e3 * s:.0f} ms ({n}³)" for n, s in run["sampling_s"].items())
     head += f"Sampling the field by numpy took {sampling}."
     if run["thickness"]:
@@ -182,7 +186,7 @@ def mark(points: list[dict]) -> str:
 
 
 def crossing(points: list[dict], error: float) -> tuple[float, list[dict]] | None:
-    """The time at which the curve first goes below an error, straight between its points in log-log."""
+    """When the curve first goes below an error, straight between its points in log-log."""
     known = [point for point in points if point.get("rms")]
     for one, other in zip(known, known[1:], strict=False):
         if one["rms"] > error >= other["rms"]:

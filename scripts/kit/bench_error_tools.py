@@ -8,7 +8,6 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Protocol
 
@@ -35,7 +34,10 @@ OWN = "isokit"
 
 
 class Tool(Protocol):
-    """A contender with a volume."""
+    """A contender."""
+
+    def take(self, volume: Volume) -> None:
+        """Gets a volume ready, off the clock."""
 
     def mesh(self, out: Path) -> Mesh:
         """Its surface; `out` is a file it may write, without suffix."""
@@ -50,21 +52,14 @@ class Tool(Protocol):
 class Program:
     """isokit as a program: extraction as its report has it, without reading and writing."""
 
-    def __init__(self, volume: Volume, options: list[str], program: Path, threads: int) -> None:
+    def __init__(self, program: Path, options: list[str], threads: int) -> None:
         """`options` say the mode."""
+        self.command = [str(program), "extract", "--quiet", "--threads", str(threads)]
+        self.command += ["--boundary", "open", "--nan", "outside", *options]
+
+    def take(self, volume: Volume) -> None:
+        """Nothing but to remember it."""
         self.volume = volume
-        size = ",".join(map(str, volume.dims))
-        self.command = [str(program), "extract", str(volume.path), "--dims", size]
-        self.command += ["--dtype", volume.dtype, "--iso", str(volume.iso), "--quiet"]
-        self.command += [
-            "--boundary",
-            "open",
-            "--nan",
-            "outside",
-            "--threads",
-            str(threads),
-            *options,
-        ]
 
     def mesh(self, out: Path) -> Mesh:
         """By way of a PLY file."""
@@ -84,8 +79,10 @@ class Program:
         """Nothing is kept."""
 
     def _run(self, *more: str) -> None:
+        size = ",".join(map(str, self.volume.dims))
+        what = ["--dims", size, "--dtype", self.volume.dtype, "--iso", str(self.volume.iso)]
         done = subprocess.run(
-            [*self.command, *more],
+            [*self.command, str(self.volume.path), *what, *more],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             env=os.environ | COLD,
@@ -98,37 +95,49 @@ class Program:
 class Remote:
     """A peer in a process of its own."""
 
-    def __init__(self, volume: Volume, name: str, threads: int) -> None:
-        """Starts it and hands it the volume."""
+    def __init__(self, name: str, threads: int) -> None:
+        """The process starts with the first volume, and anew after it failed."""
         peer = PEERS[name]
-        self.volume = volume
         count = threads if threads in peer.threads else peer.threads[-1]
         self.request = {"normals": peer.normals[-1], "threads": count, "warm": False}
-        self.worker = Worker([sys.executable, str(PROJECT / "scripts/bench_peer.py"), name])
-        try:
-            self.worker.ask(volume.request())
-        except Failed:
-            self.worker.close()
-            raise
+        self.command = [sys.executable, str(PROJECT / "scripts/bench_peer.py"), name]
+        self.worker: Worker | None = None
+
+    def take(self, volume: Volume) -> None:
+        """Hands it over."""
+        self.volume = volume
+        self._ask(volume.request())
 
     def mesh(self, out: Path) -> Mesh:
         """By way of a file of numpy's."""
         path = out.with_suffix(".npz")
-        self.worker.ask(self.request | {"op": "save", "out": str(path)})
+        self._ask(self.request | {"op": "save", "out": str(path)})
         with np.load(path) as made:
+            normals = made["normals"] if "normals" in made else None
             mesh = Mesh.from_samples(
-                made["vertices"], made["triangles"], made.get("normals"), self.volume.dims[0]
+                made["vertices"], made["triangles"], normals, self.volume.dims[0]
             )
         path.unlink()
         return mesh
 
     def seconds(self) -> float:
         """One run."""
-        return self.worker.ask(self.request | {"op": "extract"})["seconds"]
+        return self._ask(self.request | {"op": "extract"})["seconds"]
 
     def close(self) -> None:
         """Ends the process."""
-        self.worker.close()
+        if self.worker:
+            self.worker.close()
+        self.worker = None
+
+    def _ask(self, request: dict) -> dict:
+        if self.worker is None:
+            self.worker = Worker(self.command)
+        try:
+            return self.worker.ask(request)
+        except Failed:
+            self.close()
+            raise
 
 
 def modes(program: Path, extra: list[str]) -> dict[str, list[str]]:
@@ -166,15 +175,13 @@ def values(text: str, option: str) -> list[str]:
 
 
 def tools(
-    volume: Volume, program: Path, own: dict[str, list[str]], absent: dict[str, str], threads: int
-) -> Iterator[tuple[str, Tool | Failed]]:
-    """Every contender with the volume in its hands, or why it has not."""
+    program: Path, own: dict[str, list[str]], absent: dict[str, str], threads: int
+) -> dict[str, Tool]:
+    """Every contender by its name."""
+    found: dict[str, Tool] = {}
     for name, options in own.items():
-        yield name, Program(volume, options, program, threads)
+        found[name] = Program(program, options, threads)
     for name in CHOSEN:
-        if name in absent:
-            continue
-        try:
-            yield name, Remote(volume, name, threads)
-        except Failed as failure:
-            yield name, failure
+        if name not in absent:
+            found[name] = Remote(name, threads)
+    return found
