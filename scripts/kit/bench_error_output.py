@@ -17,6 +17,9 @@ mesh in memory, one thread unless said otherwise; tools take turns. isokit and w
 make them. isokit's is the extraction in its own report, the second of two in a process. Sampling
 the field is not in it. meshlib takes all cores. SurfaceNets gets labels, made off the clock.
 
+On a busy machine short runs slip between interruptions and long ones do not: then times favour the
+fast, and ratios of times say too much.
+
 *RMS* and *greatest* are the larger of the two directions: of the mesh from the surface, at the
 vertices and at seven points in each triangle, weighted with area; and of points spread over the
 surface from the mesh, which can only come out too large. Those points are chance ones, so the
