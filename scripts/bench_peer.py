@@ -55,6 +55,15 @@ def extract(peer: Peer, request: dict) -> dict:
     return {"seconds": seconds, "faults": faults, "vertices": vertices, "triangles": triangles}
 
 
+def save(peer: Peer, request: dict) -> dict:
+    """Makes the surface and writes it to a file of numpy's."""
+    vertices, triangles, made = peer.extract(request["normals"], request["threads"], False)
+    points, corners, normals = peer.arrays(made)
+    kept = {} if normals is None else {"normals": normals}
+    np.savez(request["out"], vertices=points, triangles=corners, **kept)
+    return {"vertices": vertices, "triangles": triangles}
+
+
 def page_faults() -> int:
     """Pages that this process was given so far."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
@@ -69,7 +78,7 @@ def main() -> int:
     peer = PEERS[parser.parse_args().peer]()
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # libraries in C++ print past `sys.stdout`
-    operations = {"load": load, "extract": extract}
+    operations = {"load": load, "extract": extract, "save": save}
     for line in sys.stdin:
         request = json.loads(line)
         try:

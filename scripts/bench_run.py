@@ -9,7 +9,6 @@ absent this says so and goes on.
 
 import argparse
 import datetime
-import os
 import sys
 import tempfile
 from pathlib import Path
@@ -35,10 +34,6 @@ ROWS = {
     "growth": bench_limits.growth,
     "peers": bench_rows.peers,
 }
-
-BUSY = 0.5
-"""Load per core above which figures mean little."""
-
 
 def parse() -> argparse.Namespace:
     """The options."""
@@ -71,19 +66,11 @@ def parse() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def busy(load: float) -> str:
-    """What is to be said of the load of the machine; nothing if it is fine."""
-    cores = os.cpu_count() or 1
-    if load <= BUSY * cores:
-        return ""
-    return f"The machine was busy: load {load:.2f} on {cores} cores. Do not quote these figures."
-
-
 def main() -> int:
     """Measures and writes."""
     arguments = parse()
     load = bench_machine.load() if arguments.load is None else arguments.load
-    warning = busy(load)
+    warning = bench_machine.busy(load)
     if warning:
         print(f"warning: {warning}", file=sys.stderr)
         if not arguments.busy:

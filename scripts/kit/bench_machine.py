@@ -13,6 +13,9 @@ from kit.program import PROJECT
 FLAGS = ("sse4_2", "avx", "avx2", "bmi2", "avx512f", "avx512bw", "avx512vbmi", "avx512_vpopcntdq")
 """What the kernels ask for."""
 
+BUSY = 0.5
+"""Load per core above which figures mean little."""
+
 
 def facts() -> dict[str, object]:
     """The machine as its kernel describes it."""
@@ -82,6 +85,14 @@ def absent(noted: Path) -> dict[str, str]:
 def load() -> float:
     """Processes that ran or waited in the last minute."""
     return os.getloadavg()[0]
+
+
+def busy(load: float) -> str:
+    """What is to be said of the load of the machine; nothing if it is fine."""
+    cores = os.cpu_count() or 1
+    if load <= BUSY * cores:
+        return ""
+    return f"The machine was busy: load {load:.2f} on {cores} cores. Do not quote these figures."
 
 
 def short(cpu: str) -> str:

@@ -11,6 +11,9 @@ import numpy as np
 Mesh = tuple[int, int, object]
 """Vertices and triangles, and what holds them: dropped off the clock."""
 
+Arrays = tuple[np.ndarray, np.ndarray, np.ndarray | None]
+"""Vertices as x, y, z in samples, triangles, and normals if there are any."""
+
 
 class Peer(ABC):
     """A peer with a volume in memory."""
@@ -31,6 +34,10 @@ class Peer(ABC):
     @abstractmethod
     def extract(self, normals: bool, threads: int, warm: bool) -> Mesh:
         """Makes the surface."""
+
+    @abstractmethod
+    def arrays(self, made: object) -> Arrays:
+        """What it made, in one form for all; off the clock."""
 
 
 class Vtk(Peer):
@@ -76,6 +83,17 @@ class Vtk(Peer):
         algorithm.Update()
         mesh = algorithm.GetOutput()
         return mesh.GetNumberOfPoints(), mesh.GetNumberOfPolys(), algorithm
+
+    def arrays(self, made: object) -> Arrays:
+        """Copies, since VTK owns its own."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+
+        mesh = made.GetOutput()
+        normals = mesh.GetPointData().GetNormals()
+        triangles = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+        vertices = vtk_to_numpy(mesh.GetPoints().GetData())
+        normals = vtk_to_numpy(normals).copy() if normals else None
+        return vertices.copy(), triangles.copy(), normals
 
 
 class FlyingEdges(Vtk):
@@ -131,6 +149,18 @@ class SurfaceNets(Vtk):
         return algorithm
 
 
+class SmoothSurfaceNets(SurfaceNets):
+    """The same with its smoothing, as it comes."""
+
+    note = "of labels, which were made off the clock; then smoothed"
+
+    def make(self, normals: bool) -> object:
+        """VTK's defaults."""
+        algorithm = super().make(normals)
+        algorithm.SmoothingOn()
+        return algorithm
+
+
 class ScikitImage(Peer):
     """The usual choice in Python: Lewiner's method."""
 
@@ -147,6 +177,11 @@ class ScikitImage(Peer):
         """Vertices, faces, normals and values."""
         mesh = self.function(self.samples, self.iso)
         return len(mesh[0]), len(mesh[1]), mesh
+
+    def arrays(self, made: object) -> Arrays:
+        """Coordinates come in the order of the indices."""
+        vertices, triangles, normals, _values = made
+        return vertices[:, ::-1], triangles, normals[:, ::-1]
 
 
 class PyMCubes(Peer):
@@ -165,6 +200,10 @@ class PyMCubes(Peer):
         mesh = self.function(self.samples, self.iso)
         return len(mesh[0]), len(mesh[1]), mesh
 
+    def arrays(self, made: object) -> Arrays:
+        """Coordinates come in the order of the indices."""
+        return made[0][:, ::-1], made[1], None
+
 
 class Splashsurf(Peer):
     """Marching cubes in Rust, of a program for particles."""
@@ -182,6 +221,10 @@ class Splashsurf(Peer):
         """One thread, as its documentation says."""
         mesh = self.function(self.samples, iso_surface_threshold=self.iso, cube_size=1.0)
         return len(mesh.vertices), len(mesh.triangles), mesh
+
+    def arrays(self, made: object) -> Arrays:
+        """Coordinates come in the order of the indices."""
+        return np.asarray(made.vertices)[:, ::-1], np.asarray(made.triangles), None
 
 
 class Libigl(Peer):
@@ -206,6 +249,10 @@ class Libigl(Peer):
         mesh = self.function(self.samples, self.points, *self.dims, self.iso)
         return len(mesh[0]), len(mesh[1]), mesh
 
+    def arrays(self, made: object) -> Arrays:
+        """As the points were given."""
+        return made[0], made[1], None
+
 
 class Meshlib(Peer):
     """Marching cubes into a half-edge mesh."""
@@ -229,11 +276,19 @@ class Meshlib(Peer):
         topology = mesh.topology
         return topology.numValidVerts(), topology.numValidFaces(), mesh
 
+    def arrays(self, made: object) -> Arrays:
+        """Coordinates come in the order of the indices, from the corner of the first voxel."""
+        from meshlib import mrmeshnumpy
+
+        vertices = mrmeshnumpy.getNumpyVerts(made)
+        return vertices[:, ::-1] - 0.5, mrmeshnumpy.getNumpyFaces(made.topology), None
+
 
 PEERS: dict[str, type[Peer]] = {
     "vtk Flying Edges": FlyingEdges,
     "vtk contour filter": Contour,
     "vtk SurfaceNets": SurfaceNets,
+    "vtk SurfaceNets smoothed": SmoothSurfaceNets,
     "scikit-image": ScikitImage,
     "PyMCubes": PyMCubes,
     "pysplashsurf": Splashsurf,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-NAMES = {"uint8": "u8", "int16": "i16", "uint16": "u16", "float32": "f32"}
+NAMES = {"uint8": "u8", "int16": "i16", "uint16": "u16", "float32": "f32", "float64": "f64"}
 """numpy's names of types as isokit says them."""
 
 

@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+"""Measures run time against error of isokit and its peers on surfaces that are known, with plots.
+
+Started by `scripts/bench_error`, which installs the peers and builds the program. Each field is
+sampled on lattices of several sizes; each tool makes its mesh once, which is compared with the
+surface of the field, and is then timed in turn with the others. The files go to
+scripts/results/DATE-CPU/error, those of a quick run to target/bench/error. Each field has a file
+of its own there, and what is measured again replaces it: a long run can be made in parts, by field
+and by size. Table and plots are of all that lies there.
+"""
+
+import argparse
+import datetime
+import hashlib
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from kit import bench_error_output, bench_machine
+from kit.bench_error_fields import FIELDS, Field
+from kit.bench_error_measure import errors
+from kit.bench_error_tools import OWN, modes, tools
+from kit.bench_measure import quartiles
+from kit.bench_volumes import NAMES, Volume
+from kit.bench_worker import Failed
+from kit.program import PROJECT
+
+SIZES = {
+    "quick": (16, 24, 32, 48, 64),
+    "usual": (32, 48, 64, 96, 128),
+    "full": (32, 64, 128, 256, 512),
+}
+PROGRAM = PROJECT / "target/release/isokit"
+ROUNDS = {"quick": 3, "usual": 7, "full": 15}
+CLOUD = {"quick": 10_000, "usual": 20_000, "full": 100_000}
+"""Points on the surface whose distance from the mesh is measured."""
+
+
+def parse() -> argparse.Namespace:
+    """The options."""
+    parser = argparse.ArgumentParser(
+        prog="scripts/bench_error",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--only", action="append", choices=FIELDS, help="a field; repeat it; default: all"
+    )
+    parser.add_argument("--quick", action="store_true", help="16 to 64 samples per axis, 3 rounds")
+    parser.add_argument("--full", action="store_true", help="32 to 512 samples per axis, 15 rounds")
+    parser.add_argument("--sizes", type=int, nargs="+", help="other numbers of samples per axis")
+    parser.add_argument("--rounds", type=int, help="runs of each tool; default: 7")
+    parser.add_argument(
+        "--dtype", choices=("float32", "float64"), default="float32", help="of the samples"
+    )
+    parser.add_argument(
+        "--threads", type=int, default=1, help="for tools that can be told; default: 1"
+    )
+    parser.add_argument(
+        "--mode",
+        action="append",
+        default=[],
+        help="one more mode of isokit, as options in one word",
+    )
+    parser.add_argument("--out", type=Path, help="the folder to write to")
+    parser.add_argument(
+        "--busy", action="store_true", help="go on although the machine is; the table will say so"
+    )
+    parser.add_argument("--note", default="", help="a line for the table")
+    parser.add_argument("--program", type=Path, default=PROGRAM, help=argparse.SUPPRESS)
+    parser.add_argument("--load", type=float, help=argparse.SUPPRESS)
+    parser.add_argument("--from", dest="base", type=Path, default=Path(), help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+class Run:
+    """The settings of one run, and what it measures."""
+
+    def __init__(self, arguments: argparse.Namespace, scratch: Path) -> None:
+        """Asks the program for its modes."""
+        self.scale = "quick" if arguments.quick else "full" if arguments.full else "usual"
+        self.sizes = arguments.sizes or SIZES[self.scale]
+        self.rounds = arguments.rounds or ROUNDS[self.scale]
+        self.dtype, self.threads = np.dtype(arguments.dtype), arguments.threads
+        self.scratch = scratch
+        self.modes = modes(arguments.program, arguments.mode)
+        self.absent = bench_machine.absent(PROJECT / ".venv-bench/absent")
+        self.tools = tools(arguments.program, self.modes, self.absent, self.threads)
+        self.failed = False
+
+    def field(self, name: str) -> dict:
+        """All sizes of one field."""
+        field = FIELDS[name]()
+        cloud = field.cloud(CLOUD[self.scale])
+        points, skipped, sampling = [], [], {}
+        for n in self.sizes:
+            start = time.perf_counter()
+            samples = field.sample(n, self.dtype)
+            sampling[str(n)] = time.perf_counter() - start
+            path = self.scratch / f"{name}_{n}.raw"
+            samples.tofile(path)
+            del samples
+            volume = Volume(f"{name} {n}", (n, n, n), NAMES[self.dtype.name], 0.0, path)
+            for tool, found in self._size(volume, field, cloud, skipped).items():
+                points.append({"n": n, "h": 2 / (n - 1), "tool": tool, **found})
+            path.unlink()
+        thickness = field.thickness if np.isfinite(field.thickness) else None
+        return {
+            "field": name,
+            "closed": field.closed,
+            "thickness": thickness,
+            "rounds": self.rounds,
+            "dtype": self.dtype.name,
+            "threads": self.threads,
+            "cloud": len(cloud),
+            "modes": self.modes,
+            "absent": self.absent,
+            "skipped": skipped,
+            "sampling_s": sampling,
+            "points": points,
+        }
+
+    def close(self) -> None:
+        """Ends all processes."""
+        for tool in self.tools.values():
+            tool.close()
+
+    def _size(
+        self, volume: Volume, field: Field, cloud: np.ndarray, skipped: list[str]
+    ) -> dict[str, dict]:
+        """All tools on one lattice: meshes first, then time, round by round."""
+        found: dict[str, dict] = {}
+
+        def skip(name: str, failure: Failed) -> None:
+            found.pop(name, None)
+            skipped.append(f"{name}, {volume.name}: {failure}")
+            print(f"skip {skipped[-1]}", flush=True)
+            # A peer may fail, what is measured may not.
+            self.failed |= name.startswith(OWN)
+
+        for name, tool in self.tools.items():
+            try:
+                tool.take(volume)
+                mesh = tool.mesh(self.scratch / "mesh")
+                found[name] = errors(mesh, field, cloud, 2 / (volume.dims[0] - 1))
+                found[name]["seconds"] = []
+                show(volume.name, name, found[name])
+            except Failed as failure:
+                skip(name, failure)
+        for _ in range(self.rounds):
+            for name in list(found):
+                try:
+                    found[name]["seconds"].append(self.tools[name].seconds())
+                except Failed as failure:
+                    skip(name, failure)
+        for figures in found.values():
+            figures["quartiles"] = quartiles(figures["seconds"])
+        return found
+
+
+def show(volume: str, name: str, figures: dict) -> None:
+    """One line while it goes on."""
+    if "rms" in figures:
+        said = "RMS {rms:.2e}, greatest {max:.2e}, {triangles} triangles".format(**figures)
+        print(f"{volume:20} {name:26} {said} {', '.join(figures['faults'])}", flush=True)
+
+
+def joined(old: dict, new: dict) -> dict:
+    """A field's file with the sizes of an earlier run, if that is comparable and has others."""
+    alike = ("schema", "date", "machine", "versions", "dtype", "threads", "rounds", "modes", "note")
+    if any(old.get(key) != new[key] for key in alike):
+        return new
+    kept = [point for point in old["points"] if str(point["n"]) not in new["sampling_s"]]
+    sampling = old["sampling_s"] | new["sampling_s"]
+    return new | {
+        "points": sorted(kept + new["points"], key=lambda point: point["n"]),
+        "sampling_s": dict(sorted(sampling.items(), key=lambda item: int(item[0]))),
+        "loads": old["loads"] + new["loads"],
+        "skipped": list(dict.fromkeys(old["skipped"] + new["skipped"])),
+        "warning": old["warning"] or new["warning"],
+    }
+
+
+def versions(program: Path) -> dict[str, str]:
+    """Those of the project and all packages; a program from elsewhere speaks for itself."""
+    found = bench_machine.versions()
+    if program != PROGRAM:
+        digest = hashlib.sha256(program.read_bytes()).hexdigest()
+        said = bench_machine.words(program, "--version")
+        found["isokit"] = f"{said.removeprefix('isokit ')}, not built here, SHA-256 {digest[:16]}"
+    return found
+
+
+def main() -> int:
+    """Measures and writes."""
+    arguments = parse()
+    load = bench_machine.load() if arguments.load is None else arguments.load
+    warning = bench_machine.busy(load)
+    if warning:
+        warning = warning.replace("figures", "times")
+        print(f"warning: {warning}", file=sys.stderr)
+        if not arguments.busy:
+            print("nothing is measured; --busy goes on all the same", file=sys.stderr)
+            return 2
+    date = datetime.date.today().isoformat()
+    machine = bench_machine.facts()
+    facts = {"schema": "isokit.bench-error/1", "date": date, "machine": machine}
+    facts |= {"versions": versions(arguments.program), "note": arguments.note, "warning": warning}
+    folder = PROJECT / f"scripts/results/{date}-{bench_machine.short(machine['cpu'])}/error"
+    if arguments.quick:
+        folder = PROJECT / "target/bench/error"
+    if arguments.out:
+        folder = arguments.base / arguments.out
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        run = Run(arguments, Path(scratch))
+        try:
+            for name in arguments.only or FIELDS:
+                before = bench_machine.load()
+                data = facts | run.field(name)
+                data["loads"] = [[before, bench_machine.load()]]
+                path = folder / f"{name}.json"
+                if path.exists():
+                    data = joined(json.loads(path.read_text()), data)
+                path.write_text(json.dumps(data, indent=1) + "\n")
+        finally:
+            run.close()
+    bench_error_output.write(folder)
+    print(f"wrote {folder}/results.md")
+    return int(run.failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

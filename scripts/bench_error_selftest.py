@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""Shows that `scripts/bench_error` measures what it says, on meshes whose errors are known.
+
+Fields against their own formulas, distances against all triangles one by one, topology against
+spoilt meshes. Needs numpy only; the benchmark itself is not run.
+"""
+
+import sys
+
+import numpy as np
+from kit.bench_error_fields import CENTRE, FIELDS, Smooth, Sphere, length, unit
+from kit.bench_error_measure import CORNERS, WEIGHTS, errors, near, to_mesh, to_triangles
+from kit.bench_error_mesh import Mesh, topology
+from kit.tally import Tally
+
+SPACING = 0.1
+
+
+def ball(levels: int, radius: float) -> Mesh:
+    """An octahedron, each triangle split in four `levels` times, its vertices on a sphere."""
+    points = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+    octants = [
+        [0, 2, 4],
+        [2, 1, 4],
+        [1, 3, 4],
+        [3, 0, 4],
+        [2, 0, 5],
+        [1, 2, 5],
+        [3, 1, 5],
+        [0, 3, 5],
+    ]
+    corners = points[np.array(octants)]
+    for _ in range(levels):
+        a, b, c = corners.transpose(1, 0, 2)
+        ab, bc, ca = (unit(x + y) for x, y in ((a, b), (b, c), (c, a)))
+        quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        corners = np.concatenate([np.stack(part, axis=1) for part in quarters])
+    vertices, names = np.unique(corners.reshape(-1, 3).round(12), axis=0, return_inverse=True)
+    return Mesh(CENTRE + radius * unit(vertices), names.reshape(-1, 3), unit(vertices))
+
+
+def fields(tally: Tally) -> None:
+    """Every field agrees with itself."""
+    random = np.random.default_rng(3)
+    for name, make in FIELDS.items():
+        field = make()
+        cloud = field.cloud(2000)
+        tally.check(name, "its points are on it", np.abs(field.value(cloud)).max() < 1e-9)
+        _, normal = field.nearest(cloud)
+        inner, outer = (field.value(cloud + step * normal) for step in (-1e-4, 1e-4))
+        tally.check(name, "normals point outwards", ((inner > 0) & (outer < 0)).all())
+        points = cloud + random.normal(0, 1e-4, cloud.shape)
+        foot, normal = field.nearest(points)
+        away = length(points - foot)
+        rough = np.abs(field.distance_estimate(points))
+        tally.check(name, "nearest is as far as the value says", np.abs(away - rough).max() < 3e-5)
+        again, _ = field.nearest(foot)
+        tally.check(name, "the nearest of the nearest is itself", length(again - foot).max() < 1e-9)
+        if isinstance(field, Smooth):
+            shifts = 1e-5 * np.eye(3)
+            pairs = [(field.value(points + s) - field.value(points - s)) / 2e-5 for s in shifts]
+            apart = np.abs(np.stack(pairs, axis=1) - field.slopes(points)[1]).max()
+            tally.check(name, "the gradient is that of the value", apart < 1e-5, apart)
+
+
+def figures(tally: Tally) -> None:
+    """A sphere too large by a little, and one that has the right size."""
+    field, cloud = Sphere(), Sphere().cloud(2000)
+    grown = errors(ball(5, field.radius + 1e-2), field, cloud, SPACING)
+    tally.check("grown", "vertices are as far as it grew", abs(grown["vertex_rms"] - 1e-2) < 1e-12)
+    tally.check("grown", "nothing is farther", abs(grown["forward_max"] - 1e-2) < 1e-12)
+    tally.check("grown", "normals are right", grown["vertex_angle"] < 1e-6, grown["vertex_angle"])
+    tally.check("grown", "it has no fault", grown["faults"] == [], grown["faults"])
+    coarse, fine = (errors(ball(k, field.radius), field, cloud, SPACING) for k in (3, 4))
+    for kind, order in (("forward_rms", 2), ("reverse_rms", 2), ("max", 2), ("face_angle", 1)):
+        found = np.log2(coarse[kind] / fine[kind])
+        tally.check("halved", f"order {order} of {kind}", abs(found - order) < 0.1, f"{found:.3f}")
+    for kind in ("area_error", "volume_error"):
+        found = np.log2(coarse[kind] / fine[kind])
+        tally.check("halved", f"order 2 of {kind}", abs(found - 2) < 0.1, f"{found:.3f}")
+    half = ball(4, field.radius)
+    kept = half.vertices[half.triangles].mean(axis=1)[:, 2] > CENTRE[2]
+    found = errors(Mesh(half.vertices, half.triangles[kept]), field, cloud, SPACING)
+    tally.check("half", "what is missing shows from the surface", found["reverse_max"] > 0.5)
+    tally.check("half", "and not from the mesh", found["forward_max"] < 0.01)
+
+
+def distances(tally: Tally) -> None:
+    """What is fast against what is plain."""
+    random = np.random.default_rng(4)
+    mesh = ball(3, 0.7)
+    points = CENTRE + random.normal(0, 0.5, (200, 3))
+    corners = [mesh.vertices[mesh.triangles[:, k]] for k in range(3)]
+    every = [to_triangles(np.broadcast_to(p, corners[0].shape), *corners).min() for p in points]
+    apart = np.abs(np.array(every) - to_mesh(mesh, points, SPACING)).max()
+    tally.check("to the mesh", "near triangles are enough", apart < 1e-12, apart)
+    square = ((points[:, None] - mesh.vertices[None]) ** 2).sum(axis=2)
+    found = near(mesh.vertices, points, SPACING, 4)
+    same = np.allclose(np.sort(square, axis=1)[:, :4], np.take_along_axis(square, found, axis=1))
+    tally.check("nearest vertices", "are those of all distances sorted", same)
+    for cell in (0.01, 3.0):
+        equal = np.array_equal(near(mesh.vertices, points, cell, 1), found[:, :1])
+        tally.check("nearest vertices", f"whatever the cubes, {cell}", equal)
+    a, b, c = random.normal(size=(3, 50, 3))
+    weight = random.dirichlet([1, 1, 1], (4000, 50))
+    inside = np.einsum("kij,jic->kic", weight, np.stack([a, b, c]))
+    point = random.normal(size=(50, 3))
+    sampled = np.sqrt(((inside - point) ** 2).sum(axis=2).min(axis=0))
+    exact = to_triangles(point, a, b, c)
+    tally.check("to a triangle", "no point of it is nearer", (exact <= sampled + 1e-12).all())
+    tally.check("to a triangle", "one is as near", (sampled - exact).max() < 0.1)
+    moments = [
+        (WEIGHTS * CORNERS[:, 0] ** p * CORNERS[:, 1] ** q).sum() for p, q in ((5, 0), (3, 2))
+    ]
+    known = [2 / (6 * 7), 2 * 12 / 5040]  # 2 p! q! / (p + q + 2)!
+    tally.check("in a triangle", "degree 5 is exact", np.allclose(moments, known, rtol=1e-12))
+
+
+def faults(tally: Tally) -> None:
+    """Each spoilt mesh has its fault and no other."""
+    mesh = ball(2, 0.7)
+    last = len(mesh.vertices)
+    mirrored = np.where(mesh.triangles == 0, 0, mesh.triangles + last)
+    both = np.concatenate([mesh.vertices, 2 * mesh.vertices[0] - mesh.vertices])
+    flipped = mesh.triangles.copy()
+    flipped[0] = flipped[0, ::-1]
+    fin = np.append(mesh.triangles, [[*mesh.triangles[0, :2], last]], axis=0)
+    apart = np.concatenate([mesh.triangles, mesh.triangles + last])
+    cases = {
+        "sound": (mesh.vertices, mesh.triangles, []),
+        "a hole": (mesh.vertices, mesh.triangles[1:], ["open", "χ 1, not 2"]),
+        "one flipped": (mesh.vertices, flipped, ["twisted"]),
+        "a fin": (both, fin, ["open", "non-manifold"]),
+        "one vertex in common": (
+            both,
+            np.concatenate([mesh.triangles, mirrored]),
+            ["non-manifold", "χ 3, not 2"],
+        ),
+        "two": (both, apart, ["2 components, not 1", "χ 4, not 2"]),
+    }
+    for name, (vertices, triangles, expected) in cases.items():
+        found = topology(Mesh(vertices, triangles), SPACING, True).faults(2, 1)
+        tally.check("faults", f"{name} is {expected or 'fine'}", found == expected, found)
+    cut = mesh.vertices[mesh.triangles].mean(axis=1)[:, 2] > CENTRE[2]
+    lifted = mesh.vertices - (0, 0, 1 + CENTRE[2])
+    counts = [
+        topology(Mesh(lifted, mesh.triangles[cut]), SPACING, c).open_edges for c in (True, False)
+    ]
+    tally.check("faults", "edges along the border may be open", counts[0] > 0 == counts[1], counts)
+
+
+def main() -> int:
+    """All of it."""
+    tally = Tally("bench_error_selftest")
+    fields(tally)
+    figures(tally)
+    distances(tally)
+    faults(tally)
+    return tally.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,198 @@
+"""How far a mesh is from the surface of a field, and the surface from the mesh. Needs numpy.
+
+From the mesh: at vertices and at seven points in each triangle, weighted as for integrals of
+polynomials of degree 5 (Radon 1948). From the surface: points spread over it, each against the
+triangles around the vertices nearest to it; that distance can only come out too large, and does
+where none of those triangles is the nearest. Lengths are in units of which the cube has two.
+"""
+
+import numpy as np
+
+from kit.bench_error_fields import Field, Smooth, dot, length, unit
+from kit.bench_error_mesh import Mesh, topology
+
+ROOT = np.sqrt(15)
+CORNERS = np.array(
+    [[1 / 3] * 3]
+    + [np.roll([1 - 2 * a, a, a], k) for a in ((6 - ROOT) / 21, (6 + ROOT) / 21) for k in range(3)]
+)
+WEIGHTS = np.array([9 / 40] + [(155 - ROOT) / 1200] * 3 + [(155 + ROOT) / 1200] * 3)
+
+CHUNK = 1 << 17
+"""Points that are worked on at a time."""
+
+NEAREST = 4
+"""Vertices whose triangles are tried."""
+
+DOUBTED = 0.02
+"""Distance from which on a nearest point is compared with that found from the cloud."""
+
+
+def errors(mesh: Mesh, field: Field, cloud: np.ndarray, spacing: float) -> dict:
+    """All figures of one mesh; lengths of the field's cube, angles in degrees."""
+    found = topology(mesh, spacing, field.closed)
+    figures = {"vertices": len(mesh.vertices), "triangles": len(mesh.triangles)} | vars(found)
+    figures["faults"] = found.faults(field.euler, field.components)
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a) / 2
+    if field.closed:
+        volume = abs(dot(a, np.cross(b, c)).sum()) / 6
+        figures["area_error"] = length(across).sum() / field.area - 1 if field.area else None
+        figures["volume_error"] = volume / field.volume - 1 if field.volume else None
+    counted = field.judged((a + b + c) / 3)
+    if not counted.any():
+        return figures | {"faults": ["nothing"]}
+    square, most, face_angle = of_triangles(field, cloud, a[counted], b[counted], c[counted])
+    kept = np.zeros(len(mesh.vertices), bool)
+    kept[mesh.triangles[counted]] = True
+    foot, normal = nearest(field, mesh.vertices[kept], cloud)
+    away = length(mesh.vertices[kept] - foot)
+    if mesh.normals is not None:
+        angle = degrees(sign_of(mesh.normals[kept], normal) * mesh.normals[kept], normal)
+        figures["vertex_angle"] = rms(angle)
+    back = to_mesh(mesh, cloud, spacing)
+    figures |= {
+        "vertex_rms": rms(away),
+        "forward_rms": np.sqrt(square),
+        "forward_max": max(most, away.max()),
+        "reverse_rms": rms(back),
+        "reverse_max": back.max(),
+        "face_angle": face_angle,
+    }
+    for kind in ("rms", "max"):
+        figures[kind] = max(figures[f"forward_{kind}"], figures[f"reverse_{kind}"])
+    return {name: float(v) if isinstance(v, np.floating) else v for name, v in figures.items()}
+
+
+def of_triangles(
+    field: Field, cloud: np.ndarray, *corners: np.ndarray
+) -> tuple[float, float, float]:
+    """Mean square of the distance, the greatest, RMS angle of faces."""
+    a, b, c = corners
+    across = np.cross(b - a, c - a)
+    area = length(across)
+    squares, most = 0.0, 0.0
+    for weight, (u, v, w) in zip(WEIGHTS, CORNERS, strict=True):
+        points = u * a + v * b + w * c
+        foot, normal = nearest(field, points, cloud)
+        distance = length(points - foot)
+        squares += weight * (area * distance**2).sum()
+        most = max(most, distance.max())
+        if u == v == w:
+            middle = normal
+    faces = area > 0
+    angle = degrees(sign_of(across, middle) * across[faces], middle[faces])
+    square = (area[faces] * angle**2).sum() / area.sum()
+    return squares / area.sum(), most, np.sqrt(square)
+
+
+def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest points of the surface, with normals; in doubt also from the cloud."""
+    foot, normal = np.empty_like(points), np.empty_like(points)
+    for low in range(0, len(points), CHUNK):
+        part = slice(low, low + CHUNK)
+        foot[part], normal[part] = field.nearest(points[part])
+    if isinstance(field, Smooth):
+        away = length(points - foot)
+        doubtful = np.flatnonzero(~(away < DOUBTED))
+        if len(doubtful):
+            start = cloud[near(cloud, points[doubtful], DOUBTED, 1)[:, 0]]
+            other, other_normal = field.nearest_from(points[doubtful], start)
+            better = ~(length(points[doubtful] - other) >= away[doubtful])
+            foot[doubtful[better]] = other[better]
+            normal[doubtful[better]] = other_normal[better]
+    return foot, normal
+
+
+def near(points: np.ndarray, queries: np.ndarray, cell: float, count: int) -> np.ndarray:
+    """For each query the `count` nearest points, by cubes of side `cell`, doubled if too small."""
+    count = min(count, len(points))
+    result = np.empty((len(queries), count), np.int64)
+    left = np.arange(len(queries))
+    while len(left):
+        keys = key(points, cell, np.zeros(3, np.int64))
+        order = np.argsort(keys, kind="stable")
+        ranges = [
+            np.searchsorted(keys[order], key(queries[left], cell, shift), side)
+            for side in ("left", "right")
+            for shift in SHIFTS
+        ]
+        low, high = np.stack(ranges[:27]).T.ravel(), np.stack(ranges[27:]).T.ravel()
+        owner = np.repeat(np.repeat(np.arange(len(left)), 27), high - low)
+        candidate = order[spread(low, high - low)]
+        square = ((points[candidate] - queries[left[owner]]) ** 2).sum(axis=1)
+        ranked = np.lexsort([square, owner])
+        first = np.searchsorted(owner, np.arange(len(left)))
+        many = np.bincount(owner, minlength=len(left)) >= count
+        chosen = ranked[np.minimum(first[:, None] + np.arange(count), max(len(ranked) - 1, 0))]
+        done = (
+            many & ((square[chosen[:, -1]] <= cell**2) if len(ranked) else False)
+            | (cell > 4) & many
+        )
+        result[left[done]] = candidate[chosen[done]]
+        left, cell = left[~done], 2 * cell
+    return result
+
+
+SHIFTS = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def key(points: np.ndarray, cell: float, shift: np.ndarray) -> np.ndarray:
+    """A number for each cube."""
+    x, y, z = (np.floor(points / cell).astype(np.int64) + shift + (1 << 20)).T
+    return x << 42 | y << 21 | z
+
+
+def spread(starts: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """All numbers of all ranges, one range after the other."""
+    before = np.cumsum(counts) - counts
+    return np.arange(counts.sum()) - np.repeat(before - starts, counts)
+
+
+def to_mesh(mesh: Mesh, points: np.ndarray, spacing: float) -> np.ndarray:
+    """The distance of each point from the triangles around the vertices nearest to it."""
+    corner = mesh.triangles.ravel()
+    by_vertex = np.argsort(corner, kind="stable")
+    used, starts, counts = np.unique(corner[by_vertex], return_index=True, return_counts=True)
+    result = np.empty(len(points))
+    for low in range(0, len(points), CHUNK // 16):
+        part = points[low : low + CHUNK // 16]
+        vertices = near(mesh.vertices[used], part, 1.5 * spacing, NEAREST)
+        many = counts[vertices.ravel()]
+        faces = by_vertex[spread(starts[vertices.ravel()], many)] // 3
+        owner = np.repeat(np.repeat(np.arange(len(part)), vertices.shape[1]), many)
+        distance = to_triangles(
+            part[owner], *(mesh.vertices[mesh.triangles[faces, k]] for k in range(3))
+        )
+        least = np.full(len(part), np.inf)
+        np.minimum.at(least, owner, distance)
+        result[low : low + len(part)] = least
+    return result
+
+
+def to_triangles(p: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Row by row the distance of a point from a triangle: from its plane, or its nearest side."""
+    across = unit(np.cross(b - a, c - a))
+    inside = length(across) > 0
+    least = np.full(len(p), np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        side = end - start
+        along = np.clip(dot(p - start, side) / np.maximum(dot(side, side), 1e-300), 0, 1)
+        least = np.minimum(least, length(p - start - along[:, None] * side))
+        inside &= dot(np.cross(side, p - start), across) >= 0
+    return np.where(inside, np.abs(dot(p - a, across)), least)
+
+
+def sign_of(vectors: np.ndarray, normals: np.ndarray) -> float:
+    """1 if most point as the normals do, else -1: every tool has its own idea of the inside."""
+    return 1.0 if np.nansum(dot(vectors, normals)) >= 0 else -1.0
+
+
+def degrees(vectors: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """The angles between them, row by row; of vectors of any length."""
+    return np.degrees(np.arctan2(length(np.cross(vectors, normals)), dot(vectors, normals)))
+
+
+def rms(values: np.ndarray) -> float:
+    """The root of the mean square."""
+    return np.sqrt(np.mean(values**2))
