@@ -13,7 +13,7 @@ use wide::{BATCH, Float, Plain, Wide};
 const STEPS: usize = 96;
 
 /// A step so short ends the search.
-const SHORT: f64 = 1.0 / (1_u64 << 14) as f64;
+const SHORT: f64 = 1.0 / (1_u64 << 20) as f64;
 
 /// And one so short if it halves the bracket.
 const SHORTEST: f64 = 1.0 / (1_u64 << 42) as f64;
@@ -198,11 +198,13 @@ fn cubic<W: Wide>(wide: W, [before, a, b, after]: [W::F64; 4], straight: W::F64)
         let bend = both + twice * odd;
         low = wide.select_f64(zero.less(value), low, s);
         high = wide.select_f64(value.less(zero), high, s);
-        let next = s - value * slope / (slope * slope - value * bend);
+        let (steep, pull) = (slope * slope, value * bend);
+        let next = s - value * slope / (steep - pull);
         let step = next - s;
         let size = step.max(zero - step);
         let is_good = !next.less(low) & !high.less(next) & next.less(one);
         let is_good = is_good & !last.less(wide.f64(8.0) * size);
+        let is_good = is_good & !(half * steep).less(pull.max(zero - pull));
         let next = wide.select_f64(is_good, next, (low + high) * half);
         let step = next - s;
         let size = step.max(zero - step);

@@ -22,9 +22,9 @@
 /// Steps after which a root is taken as it is. Before, the bracket is down to nothing.
 const STEPS: usize = 96;
 
-/// A step of Halley's so short ends the search: 2⁻¹⁴ of an edge. What is left falls with its cube, to 2⁻⁴²
-/// or so.
-const SHORT: f64 = 1.0 / (1_u64 << 14) as f64;
+/// A step of Halley's so short ends the search: 2⁻²⁰ of an edge. What is left falls with its cube, to
+/// nothing; also where the slope is small beside the bend, and the factor before the cube is large.
+const SHORT: f64 = 1.0 / (1_u64 << 20) as f64;
 
 /// And one so short if it halves the bracket.
 const SHORTEST: f64 = 1.0 / (1_u64 << 42) as f64;
@@ -118,8 +118,9 @@ impl Curve {
         ]
     }
 
-    /// Where it is 0: Halley's method in a bracket, which is halved where a step would leave it or is no
-    /// eighth of the step before (Press et al. 2007, sections 9.2 and 9.4).
+    /// Where it is 0: Halley's method in a bracket, which is halved where a step would leave it, is no
+    /// eighth of the step before (Press et al. 2007, sections 9.2 and 9.4), or is short since the slope is
+    /// small, far from a root.
     pub(super) fn crossing(&self, straight: f64) -> f64 {
         let (mut low, mut high) = (-0.5_f64, 0.5_f64);
         let (mut s, mut last) = (straight, 4.0_f64);
@@ -127,8 +128,12 @@ impl Curve {
             let [value, slope, bend] = self.at(s, straight);
             low = if value <= 0.0 { s } else { low };
             high = if value >= 0.0 { s } else { high };
-            let next = s - value * slope / (slope * slope - value * bend);
-            let is_good = next >= low && next <= high && 8.0 * (next - s).abs() <= last;
+            let (steep, pull) = (slope * slope, value * bend);
+            let next = s - value * slope / (steep - pull);
+            let is_good = next >= low
+                && next <= high
+                && 8.0 * (next - s).abs() <= last
+                && pull.abs() <= 0.5 * steep;
             let next = if is_good { next } else { (low + high) * 0.5 };
             last = (next - s).abs();
             s = next;
@@ -277,6 +282,12 @@ mod tests {
             let found = Curve::through(&values).unwrap().crossing(straight(&values));
             assert!((cube(found) - iso).abs() < 1e-11, "{found} for {iso}");
         }
+    }
+
+    #[test]
+    fn a_search_that_begins_where_the_slope_is_zero_goes_on() {
+        assert!(check(&[-40.0, 2.0, -2.0, -148.0]));
+        assert!(check(&[148.0, 2.0, -2.0, 40.0]));
     }
 
     #[test]
