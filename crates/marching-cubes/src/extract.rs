@@ -107,9 +107,9 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     job.threads.run(|| {
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
-        let extract = |((planes, &iso), sink): ((Planes, &f64), &mut S)| {
+        let extract = |((mut planes, &iso), sink): ((Planes, &f64), &mut S)| {
             let values = Values::new(*view, iso, planes.lattice.guard);
-            let layout = layout(&planes, &values, options, job)?;
+            let layout = layout(&mut planes, &values, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
             let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
             let bytes = counts.bytes(precision, sink.wants_normals());
@@ -148,9 +148,9 @@ pub fn count_many<'a, T: Sample>(
             return Ok(counts);
         }
         let (planes, _) = classified(&source, isos, Passes::Count, options, job)?;
-        let count = |(planes, &iso): (Planes, &f64)| {
+        let count = |(mut planes, &iso): (Planes, &f64)| {
             let values = Values::new(source.view, iso, planes.lattice.guard);
-            let layout = layout(&planes, &values, options, job)?;
+            let layout = layout(&mut planes, &values, options, job)?;
             Ok(layout.as_ref().map_or(Counts::default(), Layout::counts))
         };
         planes.into_iter().zip(isos).map(count).collect()
@@ -218,7 +218,7 @@ fn checked<T: Sample, E>(
 
 /// The numbers of all vertices and triangles; none where there can be none.
 fn layout<T: Sample, E: Send>(
-    planes: &Planes,
+    planes: &mut Planes,
     values: &Values<'_, T>,
     options: &ExtractOptions,
     job: &Job,

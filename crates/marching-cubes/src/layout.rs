@@ -10,7 +10,7 @@ use crate::{
     ExtractError,
     case::COUNTS,
     masked::LiveCells,
-    planes::{Lattice, Planes},
+    planes::{Counted, Lattice, Planes},
     trilinear::{SpecialCells, Values},
 };
 use isokit_job::{Cancelled, Job};
@@ -43,9 +43,10 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Counts, then sums. With values, what the signs of a cell leave open is decided by them.
+    /// Counts, then sums. With values, what the signs of a cell leave open is decided by them. What was
+    /// counted on the way to the planes is taken from them.
     pub(crate) fn new<T: Sample, E: Send>(
-        planes: &Planes,
+        planes: &mut Planes,
         values: Option<&Values<'_, T>>,
         layers_per_task: usize,
         job: &Job,
@@ -57,7 +58,7 @@ impl Layout {
     /// The same for some slices. Of the slice after them, which their triangles look up to, only the
     /// vertices along x and y are counted.
     pub(crate) fn part<T: Sample, E: Send>(
-        (planes, values): (&Planes, Option<&Values<'_, T>>),
+        (planes, values): (&mut Planes, Option<&Values<'_, T>>),
         part: &Part,
         layers_per_task: usize,
         job: &Job,
@@ -65,9 +66,13 @@ impl Layout {
         let lattice = planes.lattice;
         let [_, ny, _] = lattice.points;
         let Part { slices: own, before } = part;
+        let Counted { mut rows, done } = match planes.counted.take() {
+            Some(counted) => counted,
+            None => Counted::none(lattice, job)?,
+        };
         let live = planes.missing.as_ref().map(|missing| LiveCells::new(lattice, missing, job));
         let live = live.transpose()?;
-        let mut rows: Vec<Row> = job.limits.zeroed("rows", lattice.rows())?;
+        let counting = Counting { planes, live: live.as_ref(), done: &done };
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
         let counted = tasks.map(|(task, slab)| {
             job.check()?;
@@ -75,24 +80,18 @@ impl Layout {
             let slices = slab.chunks_exact_mut(ny).enumerate();
             let counts = slices.map(|(n, slice)| {
                 let z = task * layers_per_task + n;
+                let mut special = SpecialCells::default();
                 if z < own.start || z > own.end {
-                    return (Counts::default(), SpecialCells::default());
+                    return (Counts::default(), special);
                 }
+                counting.slice(z, slice, &mut scratch);
                 if z == own.end {
-                    count_slice(planes, live.as_ref(), z, slice, &mut scratch);
                     slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
-                    return (Counts::default(), SpecialCells::default());
+                    return (Counts::default(), special);
                 }
-                let special = match values {
-                    Some(values) => {
-                        let slice = (z, &mut *slice);
-                        count_with_special((planes, values), live.as_ref(), slice, &mut scratch)
-                    }
-                    None => {
-                        count_slice(planes, live.as_ref(), z, slice, &mut scratch);
-                        SpecialCells::default()
-                    }
-                };
+                if let Some(values) = values {
+                    special = counting.special(values, z, slice, &mut scratch);
+                }
                 job.progress.advance(1);
                 (counts_of(slice, &special), special)
             });
@@ -197,46 +196,60 @@ pub(crate) fn check_size<E>(
     }
 }
 
-fn count_slice(
-    planes: &Planes,
-    live: Option<&LiveCells>,
-    z: usize,
-    slice: &mut [Row],
-    scratch: &mut Vec<Word>,
-) {
-    if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
-        return;
-    }
-    let rows = 0..slice.len();
-    if live.is_some() || planes.visits.is_some() {
-        words(planes, live, rows, z, scratch);
-        count_words(scratch, slice);
-    } else {
-        count_rows(&planes.inside.slices(z), rows, slice);
-    }
+/// What slices are counted from.
+struct Counting<'a> {
+    planes: &'a Planes,
+    live: Option<&'a LiveCells>,
+    /// The slices that are counted already.
+    done: &'a [bool],
 }
 
-/// The same without the triangles of special cells, which are found.
-fn count_with_special<T: Sample>(
-    (planes, values): (&Planes, &Values<'_, T>),
-    live: Option<&LiveCells>,
-    (z, slice): (usize, &mut [Row]),
-    scratch: &mut Vec<Word>,
-) -> SpecialCells {
-    let mut special = SpecialCells::default();
-    if planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z)) {
-        return special;
+impl Counting<'_> {
+    /// Counts what the rows of slice `z` make.
+    fn slice(&self, z: usize, slice: &mut [Row], scratch: &mut Vec<Word>) {
+        if self.done[z] || self.skips(z) {
+            return;
+        }
+        let rows = 0..slice.len();
+        if self.takes_all() {
+            count_rows(&self.planes.inside.slices(z), rows, slice);
+        } else {
+            words(self.planes, self.live, rows, z, scratch);
+            count_words(scratch, slice);
+        }
     }
-    count_slice(planes, live, z, slice, scratch);
-    let rows = 0..slice.len();
-    match live.is_some() || planes.visits.is_some() {
-        true => words(planes, live, rows, z, scratch),
-        false => open_words_of_rows(&planes.inside.slices(z), rows, scratch),
+
+    /// Finds the special cells of a slice, and takes their triangles from its rows.
+    fn special<T: Sample>(
+        &self,
+        values: &Values<'_, T>,
+        z: usize,
+        slice: &mut [Row],
+        scratch: &mut Vec<Word>,
+    ) -> SpecialCells {
+        let mut special = SpecialCells::default();
+        if self.skips(z) {
+            return special;
+        }
+        let rows = 0..slice.len();
+        match self.takes_all() {
+            true => open_words_of_rows(&self.planes.inside.slices(z), rows, scratch),
+            false => words(self.planes, self.live, rows, z, scratch),
+        }
+        special.look_at(values, (z, scratch), |row, case| {
+            slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
+        });
+        special.shrunk()
     }
-    special.look_at(values, (z, scratch), |row, case| {
-        slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
-    });
-    special.shrunk()
+
+    /// Whether every word of a slice counts.
+    fn takes_all(&self) -> bool {
+        self.live.is_none() && self.planes.visits.is_none()
+    }
+
+    fn skips(&self, z: usize) -> bool {
+        self.planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z))
+    }
 }
 
 /// What rows and special cells make.

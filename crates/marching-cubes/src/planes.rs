@@ -6,7 +6,7 @@
 //! are 0.
 
 use crate::{Boundary, sparse::Visits};
-use isokit_lanes::{BitRows, words};
+use isokit_lanes::{BitRows, RowCounts, words};
 use std::{ops::Range, sync::Arc};
 
 mod chosen;
@@ -135,6 +135,17 @@ pub(crate) struct Planes {
     pub(crate) missing: Option<Arc<Plane>>,
     /// The words that are to be looked at, where not all are.
     pub(crate) visits: Option<Visits>,
+    /// What was counted on the way.
+    pub(crate) counted: Option<Counted>,
+}
+
+/// What rows make, of slices that were counted while they were in the cache.
+#[derive(Debug)]
+pub(crate) struct Counted {
+    /// Of all slices.
+    pub(crate) rows: Vec<RowCounts>,
+    /// For each slice, whether it is counted. The rows of the others are zeros.
+    pub(crate) done: Vec<bool>,
 }
 
 impl Planes {

@@ -70,8 +70,8 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
             continue; // only to count them
         }
         let view = window.view();
-        let planes = job.threads.run(|| making.planes(&view))?;
-        for (n, (surface, planes)) in surfaces.iter_mut().zip(&planes).enumerate() {
+        let mut planes = job.threads.run(|| making.planes(&view))?;
+        for (n, (surface, planes)) in surfaces.iter_mut().zip(&mut planes).enumerate() {
             let mut sink = sinks.sink(n);
             job.threads.run(|| making.part(&window, planes, surface, &mut sink))?;
         }
@@ -150,7 +150,7 @@ impl Making<'_> {
     fn part<T: Sample, S: MeshSink<Error: Send>>(
         &self,
         window: &Window<T>,
-        planes: &Planes,
+        planes: &mut Planes,
         surface: &mut Surface,
         sink: &mut S,
     ) -> Result<(), ExtractError<S::Error>> {
@@ -162,7 +162,7 @@ impl Making<'_> {
         let layers = self.layers_per_task(&part.slices);
         let values = Values::new(view, surface.iso, lattice.guard);
         let is_trilinear = self.slabs.options.topology == Topology::Trilinear;
-        let decided = (planes, is_trilinear.then_some(&values));
+        let decided = (&mut *planes, is_trilinear.then_some(&values));
         let layout = match Layout::part(decided, &part, layers, job) {
             Err(ExtractError::TooLarge { vertices, triangles }) => {
                 surface.counts = Counts { vertices, triangles };

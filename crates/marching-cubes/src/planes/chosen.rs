@@ -42,7 +42,7 @@ pub(super) fn chosen<T: Sample, E>(
         }
         read
     };
-    let (planes, read) = slice_by_slice(lattice, thresholds.count(), is_blank, fill, job)?;
+    let (planes, read) = slice_by_slice(lattice, thresholds.count(), is_blank, fill, None, job)?;
     Ok((planes, read.iter().sum()))
 }
 

@@ -1,9 +1,11 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Lattice, Plane, Planes, behind_guard, chosen::chosen};
+use super::{Counted, Lattice, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
-use isokit_job::{Cancelled, Job, Stopped};
-use isokit_lanes::{Threshold, Thresholds, has_nan, nans, signs_of_many, words};
+use isokit_job::{Cancelled, Job, OverLimit, Stopped};
+use isokit_lanes::{
+    BitRows, RowCounts, Threshold, Thresholds, count_rows, has_nan, nans, signs_of_many, words,
+};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -24,7 +26,7 @@ impl Planes {
         let thresholds: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
         let reached = |threshold: &&Threshold<T>| !matches!(threshold, Threshold::Never);
         let asked: Vec<_> = thresholds.iter().filter(reached).copied().collect();
-        let (mut inside, mut visits) = (vec![], vec![]);
+        let (mut inside, mut visits, mut counted) = (vec![], vec![], None);
         match (Thresholds::new(&asked), bricks) {
             (Some(each), None) => {
                 let test = |row: &[T], _, out: &mut [u64]| {
@@ -32,8 +34,12 @@ impl Planes {
                     let count = u64::from(may_be_nan && has_nan(row));
                     Found { count, first: None }
                 };
+                // Of several the counts would take as much memory as the planes.
+                if each.count() == 1 && lattice.has_cells() {
+                    counted = Some(Counted::none(lattice, job)?);
+                }
                 let found;
-                (inside, found) = planes(view, lattice, each.count(), test, job)?;
+                (inside, found) = planes(view, lattice, each.count(), test, counted.as_mut(), job)?;
                 may_be_nan = found.count > 0;
                 skipped.samples_read = all;
             }
@@ -65,6 +71,10 @@ impl Planes {
                 _ => inside.next().expect("a plane for each that is asked"),
             },
             missing: absent.clone(),
+            counted: match threshold {
+                Threshold::Never => None,
+                _ => counted.take().filter(|_| absent.is_none()),
+            },
             visits: match threshold {
                 Threshold::Never => None,
                 _ => visits.next(),
@@ -85,7 +95,7 @@ fn missing<T: Sample, E: Send>(
         nans(row, out);
         Found::in_row(out, [j, k])
     };
-    let (mut found, Found { count, first }) = planes(view, lattice, 1, test, job)?;
+    let (mut found, Found { count, first }) = planes(view, lattice, 1, test, None, job)?;
     match (first, nan) {
         (Some(first), Nan::Error) => Err(ExtractError::Nan { count, first }),
         (Some(_), Nan::Mask) => Ok(found.pop().map(Arc::new)),
@@ -100,6 +110,7 @@ fn planes<T: Sample, E>(
     lattice: Lattice,
     count: usize,
     test: impl Fn(&[T], [usize; 2], &mut [u64]) -> Found + Sync,
+    counted: Option<&mut Counted>,
     job: &Job,
 ) -> Result<(Vec<Plane>, Found), ExtractError<E>> {
     let [nx, ny, _] = view.dims();
@@ -128,22 +139,30 @@ fn planes<T: Sample, E>(
         }
         found
     };
-    let (planes, found) = slice_by_slice(lattice, count, |_| false, fill, job)?;
+    let (planes, found) = slice_by_slice(lattice, count, |_| false, fill, counted, job)?;
     let mut nan = Found::default();
     found.into_iter().for_each(|found| nan.add(found));
     Ok((planes, nan))
 }
 
+/// For groups of slices that lie together the words of each plane.
+type Groups = Vec<Vec<Vec<u64>>>;
+
 /// Words of some slices that lie together: small slices are many.
 const TOGETHER: usize = 2048;
 
+/// Tasks per thread. More wait less for each other; fewer leave fewer slices to be counted later.
+const TASKS: usize = 16;
+
 /// Makes `count` planes. For each slice of samples that is not blank `fill` gets its number and zeros for
-/// each plane. What it finds comes in the order of the slices.
+/// each plane. What it finds comes in the order of the slices. Rows of a single plane without blanks are
+/// counted, if that is wanted, as soon as the next slice is there, except where that is another task's.
 pub(super) fn slice_by_slice<F: Send>(
     lattice: Lattice,
     count: usize,
     is_blank: impl Fn(usize) -> bool + Sync,
     fill: impl Fn(usize, &mut [&mut [u64]]) -> F + Sync,
+    counted: Option<&mut Counted>,
     job: &Job,
 ) -> Result<(Vec<Plane>, Vec<F>), Stopped> {
     let words = lattice.rows().and_then(|rows| rows.checked_mul(lattice.words as u64));
@@ -151,29 +170,65 @@ pub(super) fn slice_by_slice<F: Send>(
     job.limits.probe("sign planes", words, size_of::<u64>())?;
     let (words, slices) = (lattice.slice_words(), lattice.points[2] - 2 * lattice.guard);
     let together = (TOGETHER / words).max(1);
-    let groups = (0..slices).into_par_iter().step_by(together).map(|first| {
-        job.check()?;
-        let own = first..slices.min(first + together);
-        job.progress.advance(own.len() as u64);
-        if own.clone().all(&is_blank) {
-            return Ok((vec![vec![]; count], vec![]));
+    let run = together * (slices / (together * TASKS * job.threads.count())).max(1);
+    let mut rows = counted.map_or(vec![], |counted| counted.of_runs(lattice, run));
+    rows.resize_with(slices.div_ceil(run), Default::default);
+    let runs = rows.into_par_iter().enumerate().map(|(task, rows)| {
+        let all = task * run..slices.min((task + 1) * run);
+        let (mut groups, mut found): (Groups, _) = (vec![], vec![]);
+        for first in all.clone().step_by(together) {
+            job.check()?;
+            let own = first..all.end.min(first + together);
+            job.progress.advance(own.len() as u64);
+            if own.clone().all(&is_blank) {
+                groups.push(vec![vec![]; count]);
+                continue;
+            }
+            let mut planes = vec![vec![0; words * own.len()]; count];
+            let fill_one = |k: usize| {
+                let at = (k - first) * words;
+                let slices = planes.iter_mut().map(|plane| &mut plane[at..at + words]);
+                fill(k, &mut slices.collect::<Vec<_>>())
+            };
+            found.extend(own.clone().filter(|&k| !is_blank(k)).map(fill_one));
+            groups.push(planes);
+            if !rows.is_empty() {
+                let slice = |n: usize| &groups[n / together][0][n % together * words..][..words];
+                for n in own.map(|k| k - all.start).filter(|&n| n > 0) {
+                    let bits = BitRows::new(slice(n - 1), Some(slice(n)), lattice.points[0]);
+                    let ny = lattice.points[1];
+                    count_rows(&bits, 0..ny, &mut rows[(n - 1) * ny..n * ny]);
+                }
+            }
         }
-        let mut planes = vec![vec![0; words * own.len()]; count];
-        let fill_one = |k: usize| {
-            let at = (k - first) * words;
-            let slices = planes.iter_mut().map(|plane| &mut plane[at..at + words]);
-            fill(k, &mut slices.collect::<Vec<_>>())
-        };
-        let found = own.filter(|&k| !is_blank(k)).map(fill_one).collect();
-        Ok((planes, found))
+        Ok((groups, found))
     });
-    let groups: Vec<(Vec<Vec<u64>>, Vec<F>)> = groups.collect::<Result<_, Cancelled>>()?;
+    let runs: Vec<(Groups, Vec<F>)> = runs.collect::<Result<_, Cancelled>>()?;
     let mut planes = vec![];
     planes.resize_with(count, || Plane { together, ..Plane::blank(lattice) });
     let mut all = vec![];
-    for (group, found) in groups {
-        planes.iter_mut().zip(group).for_each(|(plane, words)| plane.groups.push(words));
+    for (groups, found) in runs {
+        for group in groups {
+            planes.iter_mut().zip(group).for_each(|(plane, words)| plane.groups.push(words));
+        }
         all.extend(found);
     }
     Ok((planes, all))
+}
+
+impl Counted {
+    /// No slice is.
+    pub(crate) fn none(lattice: Lattice, job: &Job) -> Result<Self, OverLimit> {
+        let rows = job.limits.zeroed("rows", lattice.rows())?;
+        Ok(Self { rows, done: vec![false; lattice.points[2]] })
+    }
+
+    /// The rows of so many slices of samples together: all but the last of them will be counted.
+    fn of_runs(&mut self, lattice: Lattice, run: usize) -> Vec<&mut [RowCounts]> {
+        let Lattice { points: [_, ny, nz], guard, .. } = lattice;
+        let (first, last) = (guard, nz - 1 - guard);
+        let in_one_run = |z: usize| (z - first) / run == (z + 1 - first) / run;
+        (first..last).for_each(|z| self.done[z] = in_one_run(z));
+        self.rows[first * ny..].chunks_mut(run * ny).collect()
+    }
 }

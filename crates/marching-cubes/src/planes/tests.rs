@@ -1,8 +1,9 @@
 //! Planes against what they stand for, bit by bit.
 
-use super::{Lattice, Planes};
+use super::{Counted, Lattice, Planes};
 use crate::{Boundary, ExtractError, Nan, Source};
 use isokit_job::Job;
+use isokit_lanes::{RowCounts, count_rows};
 use isokit_volume::{Grid, Volume};
 use std::convert::Infallible;
 
@@ -59,4 +60,32 @@ fn nan_is_counted_or_marked_as_the_policy_says() {
     assert_eq!(missing.row(2, 1)[1], 0);
     let outside = planes([66, 2, 1], holes, (Boundary::Open, Nan::Outside)).unwrap();
     assert!(outside.missing.is_none() && !bit(outside.inside.row(0, 0), 5));
+}
+
+#[test]
+fn what_is_counted_on_the_way_is_what_the_planes_count() {
+    let ring = |i: usize| ((i * 7919 % 1009) as f32).sin();
+    for dims in [[5, 4, 80], [64, 3, 70], [130, 20, 40], [300, 90, 9], [2, 2, 2]] {
+        for boundary in [Boundary::Open, Boundary::Closed] {
+            let all = planes(dims, ring, (boundary, Nan::Outside)).unwrap();
+            let Counted { rows, done } = all.counted.as_ref().expect("one value, without bricks");
+            let [_, ny, nz] = all.lattice.points;
+            assert_eq!((rows.len(), done.len()), (ny * nz, nz));
+            for (z, rows) in rows.chunks_exact(ny).enumerate() {
+                let mut expected = vec![RowCounts::default(); ny];
+                if done[z] {
+                    count_rows(&all.inside.slices(z), 0..ny, &mut expected);
+                }
+                assert_eq!(rows, expected, "{dims:?}, slice {z}");
+            }
+            assert!(nz < 40 || done.iter().filter(|&&done| done).count() * 2 > nz, "{done:?}");
+        }
+    }
+}
+
+#[test]
+fn holes_undo_what_was_counted_on_the_way() {
+    let holes = |i: usize| if i == 5 { f32::NAN } else { (i % 3) as f32 - 1.0 };
+    let masked = planes([66, 20, 40], holes, (Boundary::Closed, Nan::Mask)).unwrap();
+    assert!(masked.missing.is_some() && masked.counted.is_none());
 }

@@ -193,8 +193,8 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     let mut mesh = TriMesh::default();
     while !window.is_last() {
         window.advance(source, &job).unwrap();
-        let planes = making.planes::<u8, Infallible>(&window.view()).unwrap();
-        making.part(&window, &planes[0], &mut surface, &mut mesh.refill()).unwrap();
+        let mut planes = making.planes::<u8, Infallible>(&window.view()).unwrap();
+        making.part(&window, &mut planes[0], &mut surface, &mut mesh.refill()).unwrap();
     }
     let whole = extract(&volume.view(), 2.0, options, &job).unwrap().counts();
     assert!(surface.is_too_large);
