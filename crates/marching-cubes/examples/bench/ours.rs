@@ -3,7 +3,7 @@
 use crate::{
     Contender, Failure,
     memory::{copy, fill, forget_the_most, in_use, read},
-    protocol::{Answer, Boundary, Extract, Load, Nan, Request, timed},
+    protocol::{Answer, Boundary, Extract, Load, Nan, Placement, Request, timed},
 };
 use isokit_job::{Job, Threads};
 use isokit_lanes::{Level, Thresholds, signs_of_many, words};
@@ -193,7 +193,12 @@ fn options(request: &Extract) -> ExtractOptions {
         Nan::Outside => mc::Nan::Outside,
         Nan::Error => mc::Nan::Error,
     };
-    ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan)
+    let placement = match request.placement {
+        Placement::Linear => mc::Placement::Linear,
+        Placement::Cubic => mc::Placement::Cubic,
+        Placement::Quintic => mc::Placement::Quintic,
+    };
+    ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan).with_placement(placement)
 }
 
 fn counted(answer: Answer, Counts { vertices, triangles }: Counts) -> Answer {

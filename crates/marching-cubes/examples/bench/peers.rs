@@ -2,7 +2,7 @@
 
 use crate::{
     Contender, Failure,
-    protocol::{Answer, Extract, Load, Request, timed},
+    protocol::{Answer, Extract, Load, Placement, Request, timed},
 };
 use fast_surface_nets::{
     SurfaceNetsBuffer,
@@ -28,8 +28,11 @@ fn distances(load: &Load) -> Result<Vec<f32>, Failure> {
 /// What both can do of what can be asked.
 fn one_thread(request: Request) -> Result<Extract, Failure> {
     match request {
-        Request::Extract(extract) if extract.threads == 1 => Ok(extract),
-        Request::Extract(_) => Err("one thread only".into()),
+        Request::Extract(extract) if extract.threads != 1 => Err("one thread only".into()),
+        Request::Extract(extract) if extract.placement != Placement::Linear => {
+            Err("linear placement only".into())
+        }
+        Request::Extract(extract) => Ok(extract),
         _ => Err("extracts only".into()),
     }
 }

@@ -60,6 +60,8 @@ pub(crate) struct Extract {
     pub(crate) boundary: Boundary,
     #[serde(default)]
     pub(crate) nan: Nan,
+    #[serde(default)]
+    pub(crate) placement: Placement,
     /// Whether the bricks are known; they are made off the clock.
     #[serde(default)]
     pub(crate) index: bool,
@@ -81,6 +83,16 @@ pub(crate) enum Nan {
     #[default]
     Outside,
     Error,
+}
+
+/// Where between two samples a vertex lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Placement {
+    #[default]
+    Linear,
+    Cubic,
+    Quintic,
 }
 
 /// What was found. Absent is what the work has nothing of.
