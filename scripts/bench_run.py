@@ -22,6 +22,7 @@ ROWS = {
     "machine": bench_limits.machine,
     "synthetic": bench_rows.synthetic,
     "real": bench_rows.real,
+    "modes": bench_rows.modes,
     "defaults": bench_rows.defaults,
     "threads": bench_rows.threads,
     "classify": bench_limits.classify,

@@ -14,6 +14,7 @@ from kit.bench_measure import Bench, Result, Series, quartiles
 SECTIONS = {
     "synthetic": "Against VTK Flying Edges",
     "real": "Scans, against VTK Flying Edges",
+    "modes": "Topology and placement, against the plain way",
     "defaults": "With isokit's defaults, against VTK Flying Edges",
     "command": "Whole command",
     "threads": "Two threads",

@@ -78,8 +78,8 @@ def defaults(bench: Bench, store: Store) -> None:
                 )
 
 
-def real(bench: Bench, store: Store) -> None:
-    """Scans in the types that they came in."""
+def scans(bench: Bench, store: Store, row: str) -> Iterator[Volume]:
+    """Those that there are, in the types that they came in."""
     makers = (
         lambda: store.nifti("engine", "volvis/engine.nii.gz", 80),
         lambda: store.nifti("bonsai", "volvis/bonsai.nii.gz", 40),
@@ -87,14 +87,42 @@ def real(bench: Bench, store: Store) -> None:
     )
     for make in makers:
         try:
-            volume = make()
+            yield make()
         except Absent as absent:
-            bench.skip("real", absent)
-            continue
+            bench.skip(row, absent)
+
+
+def real(bench: Bench, store: Store) -> None:
+    """Scans against Flying Edges."""
+    for volume in scans(bench, store, "real"):
         with bench.workers():
             for threads in THREADS:
                 settings = (threads, True, False)
                 against_edges(bench, volume, "real", *settings, must=3.5, aim=8.0)
+
+
+def modes(bench: Bench, store: Store) -> None:
+    """What topology and placement cost beside the plain way, on scans."""
+    changes = (
+        ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),
+        ("--placement cubic", {"placement": "cubic"}, False, {"must": 1.15}),
+        ("--placement cubic", {"placement": "cubic"}, True, {}),
+        ("--placement quintic", {"placement": "quintic"}, False, {}),
+    )
+    for volume in scans(bench, store, "modes"):
+        with bench.workers():
+            for option, change, normals, limits in changes:
+                plain = extract(volume, normals=normals, warm=True)
+                requests = (plain | change, plain)
+                done = bench.run([Entry("isokit", volume, one, True) for one in requests])
+                bench.compare(
+                    *done,
+                    row="modes",
+                    work=f"{volume.name} {volume.dtype}, {'' if normals else 'no '}normals, warm, "
+                    f"1 thread, {option} vs without",
+                    at_least=False,
+                    **limits,
+                )
 
 
 def threads(bench: Bench, store: Store) -> None:

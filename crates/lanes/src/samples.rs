@@ -56,11 +56,11 @@ impl<'a, T: Lane> Samples<'a, T> {
         self.all
     }
 
-    /// Asks for samples of slice `z` that will be read soon: those of the same numbers as the cells of
-    /// `words` whose edges are cut, where number 0 of row 0 is sample `x` of row `y`. All three may be
-    /// wrapped, or beyond the last.
+    /// Asks for samples of slice `z` that will be read soon: those of the same numbers as the `wanted` cells
+    /// of `words`, where number 0 of row 0 is sample `x` of row `y`. All three may be wrapped, or beyond
+    /// the last.
     #[inline(always)]
-    pub fn prefetch(&self, [x, y, z]: [u32; 3], words: &[Word]) {
+    pub fn prefetch(&self, [x, y, z]: [u32; 3], words: &[Word], wanted: impl Fn(&Word) -> u64) {
         #[cfg(target_arch = "x86_64")]
         if self.strides[0] == 1 && z < self.dims[2] {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
@@ -69,10 +69,10 @@ impl<'a, T: Lane> Samples<'a, T> {
                 let row = i64::from(y as i32) + word.row as i64;
                 let first = slice + row * self.strides[1] + word.first as i64;
                 let sample = self.all.as_ptr().wrapping_offset(first as isize);
-                let [x, y, z] = word.owned();
+                let wanted = wanted(word);
                 let per_line = 64 / size_of::<T>();
                 for line in 0..size_of::<T>() {
-                    let bits = (x | y | z) >> (line * per_line);
+                    let bits = wanted >> (line * per_line);
                     if bits & (u64::MAX >> (64 - per_line)) != 0 {
                         let place = sample.cast::<i8>().wrapping_add(64 * line);
                         // SAFETY: a prefetch reads nothing, so any address will do.

@@ -154,7 +154,8 @@ impl<'a, T: Sample> Placer<'a, T> {
     #[inline(always)]
     pub(crate) fn expect(&self, first: [u32; 3], words: &[Word]) {
         if let Some(samples) = &self.samples {
-            samples.prefetch(first, words);
+            let cut = |word: &Word| word.owned().into_iter().fold(0, |all, cuts| all | cuts);
+            samples.prefetch(first, words, cut);
         }
     }
 

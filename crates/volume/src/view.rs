@@ -201,6 +201,24 @@ impl<'a, T: Sample> View<'a, T> {
         self.scaling.value(self.stored(ijk).to_f64())
     }
 
+    /// The stored samples at the corners of the cell whose lowest corner is a lattice point: corner `c` is as
+    /// far on along x, y, z as the bits of `c` say.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such cell.
+    #[inline(always)]
+    pub fn cell(&self, low: [usize; 3]) -> [T; 8] {
+        debug_assert!(
+            (0..3).all(|axis| low[axis] + 1 < self.dims[axis]),
+            "{low:?} {:?}",
+            self.dims
+        );
+        let (first, [x, y, z]) = (self.place(low), self.strides);
+        let corners = [0, x, y, x + y, z, x + z, y + z, x + y + z];
+        corners.map(|offset| self.samples[first.wrapping_add_signed(offset)])
+    }
+
     /// The samples (0, j, k), (1, j, k), …
     ///
     /// # Panics

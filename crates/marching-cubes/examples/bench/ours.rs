@@ -3,7 +3,7 @@
 use crate::{
     Contender, Failure,
     memory::{copy, fill, forget_the_most, in_use, read},
-    protocol::{Answer, Boundary, Extract, Load, Nan, Placement, Request, timed},
+    protocol::{Answer, Boundary, Extract, Load, Nan, Placement, Request, Topology, timed},
 };
 use isokit_job::{Job, Threads};
 use isokit_lanes::{Level, Thresholds, signs_of_many, words};
@@ -198,7 +198,12 @@ fn options(request: &Extract) -> ExtractOptions {
         Placement::Cubic => mc::Placement::Cubic,
         Placement::Quintic => mc::Placement::Quintic,
     };
-    ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan).with_placement(placement)
+    let topology = match request.topology {
+        Topology::Table => mc::Topology::Table,
+        Topology::Trilinear => mc::Topology::Trilinear,
+    };
+    let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan);
+    options.with_placement(placement).with_topology(topology)
 }
 
 fn counted(answer: Answer, Counts { vertices, triangles }: Counts) -> Answer {

@@ -2,7 +2,7 @@
 
 use crate::{
     Contender, Failure,
-    protocol::{Answer, Extract, Load, Placement, Request, timed},
+    protocol::{Answer, Extract, Load, Placement, Request, Topology, timed},
 };
 use fast_surface_nets::{
     SurfaceNetsBuffer,
@@ -31,6 +31,9 @@ fn one_thread(request: Request) -> Result<Extract, Failure> {
         Request::Extract(extract) if extract.threads != 1 => Err("one thread only".into()),
         Request::Extract(extract) if extract.placement != Placement::Linear => {
             Err("linear placement only".into())
+        }
+        Request::Extract(extract) if extract.topology != Topology::Table => {
+            Err("a table's topology only".into())
         }
         Request::Extract(extract) => Ok(extract),
         _ => Err("extracts only".into()),

@@ -62,6 +62,8 @@ pub(crate) struct Extract {
     pub(crate) nan: Nan,
     #[serde(default)]
     pub(crate) placement: Placement,
+    #[serde(default)]
+    pub(crate) topology: Topology,
     /// Whether the bricks are known; they are made off the clock.
     #[serde(default)]
     pub(crate) index: bool,
@@ -93,6 +95,15 @@ pub(crate) enum Placement {
     Linear,
     Cubic,
     Quintic,
+}
+
+/// What the surface connects where the signs leave it open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Topology {
+    #[default]
+    Table,
+    Trilinear,
 }
 
 /// What was found. Absent is what the work has nothing of.

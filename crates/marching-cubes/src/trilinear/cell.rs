@@ -2,10 +2,11 @@
 
 use super::{
     decide::{Interior, Saddle, around},
-    number::ask,
+    number::{Unit, ask},
     table::{AMBIGUOUS, Resolved, resolved},
 };
 use isokit_geom::cube::{Edge, Face};
+use isokit_lanes::{Samples, Word};
 use isokit_volume::{Sample, View};
 use std::cmp::Ordering;
 
@@ -19,6 +20,8 @@ pub(crate) struct Values<'a, T> {
     iso: f64,
     scale: f64,
     guard: usize,
+    unit: Unit,
+    samples: Option<Samples<'a, T>>,
 }
 
 impl<'a, T: Sample> Values<'a, T> {
@@ -26,7 +29,18 @@ impl<'a, T: Sample> Values<'a, T> {
     pub(crate) fn new(view: View<'a, T>, iso: f64, guard: usize) -> Self {
         // Half a step of the greatest f64: less than that makes no difference overflow.
         let greatest = 970.0_f64.exp2();
-        Self { view, iso, scale: if iso.abs() < greatest { 1.0 } else { 0.25 }, guard }
+        let scale = if iso.abs() < greatest { 1.0 } else { 0.25 };
+        let unit = Unit::of(&view, iso);
+        Self { view, iso, scale, guard, unit, samples: view.samples() }
+    }
+
+    /// Says that the open cells of some words of slice `z` will soon be asked for.
+    pub(super) fn expect(&self, z: usize, words: &[Word]) {
+        if let Some(samples) = &self.samples {
+            for (y, z) in [(0, z), (1, z), (0, z + 1), (1, z + 1)] {
+                samples.prefetch([0, y, z].map(|n| self.sample(n)), words, Word::open);
+            }
+        }
     }
 
     /// The number of the sample at a lattice index. A guard before the first has −1, which wraps.
@@ -39,12 +53,19 @@ impl<'a, T: Sample> Values<'a, T> {
     pub(crate) fn cell(&self, code: u8, low: [usize; 3]) -> Cell {
         let dims = self.view.dims();
         let low = low.map(|i| i.wrapping_sub(self.guard));
-        let mut cell = Cell { code, known: 0, values: [0.0; 8] };
-        for (k, value) in cell.values.iter_mut().enumerate() {
+        let scaling = self.view.scaling();
+        let value = |stored: T| scaling.value(stored.to_f64()) * self.scale - self.iso * self.scale;
+        if (0..3).all(|axis| low[axis].wrapping_add(1) < dims[axis] && low[axis] < dims[axis]) {
+            let values = self.view.cell(low).map(value);
+            let known = values.iter().rev().fold(0, |all, v| all << 1 | u8::from(v.is_finite()));
+            return Cell { code, known, values, unit: self.unit };
+        }
+        let mut cell = Cell { code, known: 0, values: [0.0; 8], unit: self.unit };
+        for (k, corner) in cell.values.iter_mut().enumerate() {
             let ijk: [usize; 3] = std::array::from_fn(|axis| low[axis].wrapping_add(k >> axis & 1));
             if (0..3).all(|axis| ijk[axis] < dims[axis]) {
-                *value = self.view.value(ijk) * self.scale - self.iso * self.scale;
-                cell.known |= u8::from(value.is_finite()) << k;
+                *corner = value(self.view.stored(ijk));
+                cell.known |= u8::from(corner.is_finite()) << k;
             }
         }
         cell
@@ -60,6 +81,8 @@ pub(crate) struct Cell {
     pub(super) known: u8,
     /// Less the isovalue.
     pub(super) values: [f64; 8],
+    /// Of which all values may be whole multiples.
+    pub(super) unit: Unit,
 }
 
 /// What the values of a cell whose code is not simple decide.
@@ -137,11 +160,11 @@ impl Cell {
         if !(is_known(a) && is_known(c)) {
             return Ordering::Greater;
         }
-        ask(&Saddle, corners.map(|k| self.values[k]))
+        ask(&Saddle, corners.map(|k| self.values[k]), self.unit)
     }
 
     fn look_inside(&self, axis: usize, row: &Resolved, verdict: &mut Verdict) {
-        let Some(body) = ask(&Interior { axis }, self.values) else { return };
+        let Some(body) = ask(&Interior { axis }, self.values, self.unit) else { return };
         verdict.is_singular |= body.value == Ordering::Equal;
         let low = around(axis);
         let ends = [low[body.first], low[body.first + 2]].map(|k| {

@@ -4,9 +4,11 @@
 //! [`Number`], and asked of [`Near`] first, which carries a bound of its error. Where that leaves a sign
 //! open it is asked again of exact integers: the values are whole multiples of a power of two, and every
 //! question is homogeneous, so the power may be left out. Where 29 bits hold them `i128` holds all that
-//! can come of them, up to the fourth degree; else [`Long`] does, of any length.
+//! can come of them, up to the fourth degree; else [`Long`] does, of any length. Samples that are integers
+//! are asked of `i64` at once, where 13 bits hold them.
 
 use super::long::Long;
+use isokit_volume::{Sample, View};
 use std::cmp::Ordering;
 
 /// What can be added, subtracted, multiplied, and at last compared with 0.
@@ -27,9 +29,48 @@ pub(super) trait Question<const N: usize> {
     fn answer<T: Number>(&self, values: [T; N]) -> Option<Self::Answer>;
 }
 
+/// How many of the values make 1, if it is known that all are whole then.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Unit(Option<f64>);
+
+impl Unit {
+    /// Nothing is known.
+    #[cfg(test)]
+    pub(super) const UNKNOWN: Self = Self(None);
+
+    /// The greatest count with which `i64` holds a fourth degree: no sum on the way exceeds 128 times its
+    /// fourth power.
+    const GREATEST: f64 = (1 << 13) as f64;
+
+    /// Integers whose scaling and isovalue are integers or halves make integers or halves.
+    pub(super) fn of<T: Sample>(view: &View<'_, T>, iso: f64) -> Self {
+        let scaling = view.scaling();
+        let numbers = [scaling.slope(), scaling.intercept(), iso];
+        // Numbers so small are far from where the differences of their multiples are rounded.
+        let is_small = T::DTYPE.is_integer() && numbers.iter().all(|n| n.abs() < 65536.0);
+        let is_whole = |unit: &f64| numbers.iter().all(|n| (n * unit).fract() == 0.0);
+        Self(is_small.then(|| [1.0, 2.0].into_iter().find(is_whole)).flatten())
+    }
+
+    /// The values in this unit, where they are short.
+    #[inline(always)]
+    fn short<const N: usize>(self, values: [f64; N]) -> Option<[i64; N]> {
+        let values = values.map(|value| value * self.0.unwrap_or(f64::NAN));
+        let is_short = values.iter().all(|value| value.abs() < Self::GREATEST);
+        is_short.then(|| values.map(|value| value as i64))
+    }
+}
+
 /// The answer, which no rounding has part in. All values must be finite.
 #[inline]
-pub(super) fn ask<const N: usize, Q: Question<N>>(question: &Q, values: [f64; N]) -> Q::Answer {
+pub(super) fn ask<const N: usize, Q: Question<N>>(
+    question: &Q,
+    values: [f64; N],
+    unit: Unit,
+) -> Q::Answer {
+    if let Some(answer) = unit.short(values).and_then(|short| question.answer(short)) {
+        return answer;
+    }
     let near = values.map(|value| Near { value, error: 0.0 });
     question.answer(near).unwrap_or_else(|| ask_exactly(question, values))
 }
@@ -90,23 +131,35 @@ impl Number for Near {
     }
 }
 
-impl Number for i128 {
-    fn plus(&self, other: &Self) -> Self {
-        self + other
-    }
+/// Exact while nothing overflows.
+macro_rules! integer {
+    ($integer:ty) => {
+        impl Number for $integer {
+            #[inline(always)]
+            fn plus(&self, other: &Self) -> Self {
+                self + other
+            }
 
-    fn minus(&self, other: &Self) -> Self {
-        self - other
-    }
+            #[inline(always)]
+            fn minus(&self, other: &Self) -> Self {
+                self - other
+            }
 
-    fn times(&self, other: &Self) -> Self {
-        self * other
-    }
+            #[inline(always)]
+            fn times(&self, other: &Self) -> Self {
+                self * other
+            }
 
-    fn sign(&self) -> Option<Ordering> {
-        Some(self.cmp(&0))
-    }
+            #[inline(always)]
+            fn sign(&self) -> Option<Ordering> {
+                Some(self.cmp(&0))
+            }
+        }
+    };
 }
+
+integer!(i64);
+integer!(i128);
 
 impl Number for Long {
     fn plus(&self, other: &Self) -> Self {
@@ -175,7 +228,9 @@ fn long<const N: usize>(values: [f64; N]) -> [Long; N] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Near, Number, Question, ask, long, whole};
+    use super::{Near, Number, Question, Unit, ask, long, whole};
+    use crate::trilinear::decide::{Interior, Saddle};
+    use isokit_volume::{Grid, Scaling, Volume};
     use proptest::prelude::*;
     use std::cmp::Ordering;
 
@@ -196,11 +251,11 @@ mod tests {
     fn a_difference_that_vanishes_is_found_to_vanish_at_any_scale() {
         for scale in [1.0, 1e-300, 1e300, f64::from_bits(1), 0.1] {
             let [a, b] = [3.0 * scale, 5.0 * scale];
-            let found = ask(&Determinant, [a, a, b, b]);
+            let found = ask(&Determinant, [a, a, b, b], Unit::UNKNOWN);
             assert_eq!(found, [Ordering::Equal; 2], "{scale:e}");
-            let found = ask(&Determinant, [a.next_up(), a, b, b]);
+            let found = ask(&Determinant, [a.next_up(), a, b, b], Unit::UNKNOWN);
             assert_eq!(found[0], Ordering::Greater, "{scale:e}");
-            let found = ask(&Determinant, [-a.next_up(), -a, b, b]);
+            let found = ask(&Determinant, [-a.next_up(), -a, b, b], Unit::UNKNOWN);
             assert_eq!(found[0], Ordering::Less, "{scale:e}");
         }
     }
@@ -208,9 +263,12 @@ mod tests {
     #[test]
     fn the_greatest_and_the_least_number_there_are_can_meet() {
         let (huge, tiny) = (f64::MAX, f64::from_bits(1));
-        assert_eq!(ask(&Determinant, [huge, tiny, tiny, huge])[0], Ordering::Greater);
-        assert_eq!(ask(&Determinant, [huge, huge, tiny, tiny])[0], Ordering::Equal);
-        assert_eq!(ask(&Determinant, [tiny, huge, tiny, tiny])[0], Ordering::Less);
+        assert_eq!(
+            ask(&Determinant, [huge, tiny, tiny, huge], Unit::UNKNOWN)[0],
+            Ordering::Greater
+        );
+        assert_eq!(ask(&Determinant, [huge, huge, tiny, tiny], Unit::UNKNOWN)[0], Ordering::Equal);
+        assert_eq!(ask(&Determinant, [tiny, huge, tiny, tiny], Unit::UNKNOWN)[0], Ordering::Less);
     }
 
     #[test]
@@ -221,7 +279,45 @@ mod tests {
         assert_eq!(whole([0.0, 1024.0]), Some([0, 1]));
     }
 
+    #[test]
+    fn integers_are_whole_in_ones_or_halves_as_scaling_and_isovalue_are() {
+        let grid = Grid::new([2, 2, 2], Default::default()).unwrap();
+        let (bytes, floats) = (vec![0_u8; 8], vec![0_f32; 8]);
+        let (bytes, floats) =
+            (Volume::new(grid, bytes).unwrap(), Volume::new(grid, floats).unwrap());
+        for (slope, intercept, iso, expected) in [
+            (1.0, 0.0, 80.0, Some(1.0)),
+            (1.0, -1024.0, 80.5, Some(2.0)),
+            (0.5, 0.0, 3.0, Some(2.0)),
+            (1.0, 0.0, 80.25, None),
+            (0.1, 0.0, 80.0, None),
+            (1.0, 1e9, 80.0, None),
+        ] {
+            let scaling = Scaling::new(slope, intercept).unwrap();
+            assert_eq!(Unit::of(&bytes.view().with_scaling(scaling), iso), Unit(expected));
+            assert_eq!(Unit::of(&floats.view().with_scaling(scaling), iso), Unit::UNKNOWN);
+        }
+    }
+
     proptest! {
+        #[test]
+        fn short_values_get_the_answers_of_long_ones(
+            values in any::<[i16; 8]>(), shift in 0..14_u32, axis in 0..3_usize, unit in 1..=2_u8
+        ) {
+            // The greatest are too long for the short way.
+            let unit = f64::from(unit);
+            let values = values.map(|value| f64::from(value >> shift) / unit);
+            let both = |values| [Unit(Some(unit)), Unit::UNKNOWN].map(|unit| {
+                ask(&Interior { axis }, values, unit)
+            });
+            let [short, long] = both(values);
+            prop_assert_eq!(short, long);
+            let [a, b, c, d, ..] = values;
+            let both = |values| [Unit(Some(unit)), Unit::UNKNOWN].map(|unit| ask(&Saddle, values, unit));
+            let [short, long] = both([a, b, c, d]);
+            prop_assert_eq!(short, long);
+        }
+
         #[test]
         fn a_sign_that_is_certain_is_the_exact_one(bits in any::<[i16; 4]>(), shifts in any::<[u8; 4]>()) {
             let mut values = bits.map(f64::from);

@@ -7,6 +7,9 @@ use super::{
 use isokit_lanes::Word;
 use isokit_volume::Sample;
 
+/// Words whose samples are asked for while those before them are looked at.
+const AHEAD: usize = 8;
+
 /// A cell that has other triangles than its case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Special {
@@ -45,7 +48,11 @@ impl SpecialCells {
         (z, words): (usize, &[Word]),
         mut found: impl FnMut(usize, u8),
     ) {
-        for word in words {
+        for (n, word) in words.iter().enumerate() {
+            if n.is_multiple_of(AHEAD) {
+                let [first, end] = [n + AHEAD, n + 2 * AHEAD].map(|n| n.min(words.len()));
+                values.expect(z, &words[first..end]);
+            }
             let mut rest = word.open();
             while rest != 0 {
                 let n = rest.trailing_zeros();

@@ -1,6 +1,6 @@
 //! Verdicts against a fine lattice, against each other along the three axes, and under the symmetries.
 
-use super::{Cell, Verdict};
+use super::{Cell, Unit, Verdict};
 use crate::trilinear::table::{derive::codes, is_simple};
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ impl Chance {
 
 fn cell(values: [f64; 8]) -> Cell {
     let code = (0..8).fold(0, |code, k| code | u8::from(values[k] >= 0.0) << k);
-    Cell { code, known: u8::MAX, values }
+    Cell { code, known: u8::MAX, values, unit: Unit::UNKNOWN }
 }
 
 /// Small integers, larger odd ones, or f32 with any exponents.
