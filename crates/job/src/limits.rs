@@ -7,16 +7,26 @@ pub struct Limits {
     pub bytes: u64,
 }
 
-/// The caller's choice: the task is sound, but larger than allowed.
+/// The caller's choice: the task is sound, but larger than allowed, or than the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} needs {needed} bytes, the limit is {limit}")]
+#[error("{what} needs {needed} bytes, {}", self.reason())]
 pub struct OverLimit {
     /// What would have been allocated.
     pub what: &'static str,
     /// Its bytes; `u64::MAX` if they do not fit a `u64`.
     pub needed: u64,
-    /// Bytes allowed, or bytes that this machine can address.
+    /// Bytes allowed, or bytes that this machine can address. No less than needed where that much is
+    /// allowed and the system does not have it.
     pub limit: u64,
+}
+
+impl OverLimit {
+    fn reason(&self) -> String {
+        match self.needed <= self.limit {
+            true => "which the system does not have".into(),
+            false => format!("the limit is {}", self.limit),
+        }
+    }
 }
 
 impl Default for Limits {
@@ -106,6 +116,14 @@ mod tests {
         let over = OverLimit { what: "volume", needed: 88, limit: 80 };
         assert_eq!(limits.allow("volume", Some(11), 8), Err(over));
         assert_eq!(over.to_string(), "volume needs 88 bytes, the limit is 80");
+    }
+
+    #[test]
+    fn what_is_allowed_and_not_there_is_no_limit() {
+        // More than the address space of today's machines.
+        let over = Limits::default().probe("volume", Some(1 << 60), 1).unwrap_err();
+        let said = "volume needs 1152921504606846976 bytes, which the system does not have";
+        assert_eq!(over.to_string(), said);
     }
 
     #[test]
