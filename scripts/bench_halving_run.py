@@ -28,6 +28,8 @@ PLACEMENTS = ("linear", "cubic", "quintic")
 JUDGES = ("linear", "cubic")
 TAPS = 11
 """On each side."""
+SIZE = 1024
+"""Samples that count as 1 where distances are measured, of which no volume has many."""
 POINTS = 20_000
 LEAST = 24
 """Samples along the shortest axis of a half that is worth a look."""
@@ -53,12 +55,14 @@ def halved(samples: np.ndarray) -> np.ndarray:
 
 
 def surface(program: Isokit, volume: Path, iso: float, placement: str, spacing: int) -> Mesh:
-    """Of one volume by one placement, in samples of the whole."""
+    """Of one volume by one placement, in so many samples of the whole."""
     out = volume.with_name(f"{volume.stem}_{placement}.ply")
     options = ["--iso", iso, "--placement", placement, "--boundary", "open"]
     step = ",".join([str(spacing)] * 3)
     program.extract(volume, out, *options, "--spacing", step, "--origin", "0,0,0")
-    return from_ply(out, 3)  # of three samples one is 1 long
+    mesh = from_ply(out, 3)  # of three samples one is 1 long
+    mesh.vertices /= SIZE
+    return mesh
 
 
 def spread(mesh: Mesh, count: int) -> np.ndarray:
@@ -74,9 +78,9 @@ def spread(mesh: Mesh, count: int) -> np.ndarray:
 
 def distances(half: Mesh, whole: Mesh) -> dict[str, float]:
     """Both ways, as one set of numbers."""
-    there = to_mesh(whole, spread(half, POINTS), 1.0)
-    back = to_mesh(half, spread(whole, POINTS), 2.0)
-    both = np.sort(np.concatenate([there, back]))
+    there = to_mesh(whole, spread(half, POINTS), 1 / SIZE)
+    back = to_mesh(half, spread(whole, POINTS), 2 / SIZE)
+    both = SIZE * np.sort(np.concatenate([there, back]))
     return {
         "rms": float(rms(both)),
         "median": float(np.median(both)),

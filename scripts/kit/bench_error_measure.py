@@ -120,15 +120,15 @@ def near(points: np.ndarray, queries: np.ndarray, cell: float, count: int) -> np
         low, high = np.stack(ranges[:27]).T.ravel(), np.stack(ranges[27:]).T.ravel()
         owner = np.repeat(np.repeat(np.arange(len(left)), 27), high - low)
         candidate = order[spread(low, high - low)]
+        if not len(candidate):
+            cell *= 2
+            continue
         square = ((points[candidate] - queries[left[owner]]) ** 2).sum(axis=1)
         ranked = np.lexsort([square, owner])
         first = np.searchsorted(owner, np.arange(len(left)))
         many = np.bincount(owner, minlength=len(left)) >= count
-        chosen = ranked[np.minimum(first[:, None] + np.arange(count), max(len(ranked) - 1, 0))]
-        done = (
-            many & ((square[chosen[:, -1]] <= cell**2) if len(ranked) else False)
-            | (cell > 4) & many
-        )
+        chosen = ranked[np.minimum(first[:, None] + np.arange(count), len(ranked) - 1)]
+        done = many & ((square[chosen[:, -1]] <= cell**2) | (cell > 4))
         result[left[done]] = candidate[chosen[done]]
         left, cell = left[~done], 2 * cell
     return result
