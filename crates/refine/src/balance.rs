@@ -222,6 +222,6 @@ impl<'a> System<'a> {
         }
         let to: Vector = std::array::from_fn(|k| from[k] + along[k] * (offset / share));
         let is_finite = to.iter().all(|c| c.is_finite());
-        (is_finite && !ground.spot(to).is_beyond).then(|| rounded(to, self.mesh))
+        (is_finite && ground.is_within(to, spot.held())).then(|| rounded(to, self.mesh))
     }
 }

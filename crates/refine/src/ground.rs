@@ -98,6 +98,12 @@ impl<'a> Ground<'a> {
         Spot { ijk, border, is_beyond: (0..3).any(is_beyond) }
     }
 
+    /// Whether a point is on no side of a border that it is not held to, not even by rounding.
+    pub(crate) fn is_within(&self, xyz: Vector, held: [bool; 3]) -> bool {
+        let ijk = self.spot(xyz).ijk;
+        (0..3).all(|k| held[k] || (0.0..=self.last[k]).contains(&ijk[k]))
+    }
+
     /// The field.
     pub(crate) fn field(&self) -> &'a dyn ScalarField {
         self.surface.field
@@ -155,7 +161,7 @@ impl<'a> Ground<'a> {
         };
         let t = root(value, ascent.steepness, reach.min(0.5 / most))?;
         let end: Vector = std::array::from_fn(|k| start[k] + t * ascent.direction[k]);
-        (!self.spot(end).is_beyond).then_some(end)
+        self.is_within(end, held).then_some(end)
     }
 }
 

@@ -85,7 +85,7 @@ pub fn refine(
                 let chosen = |edge: usize| sagitta.is_too_long(edge);
                 let is_last = round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen);
                 if is_last || !refined.divide(mesh, &edges, &ground, chosen, job)? {
-                    (refined.bound, refined.unbounded) = sagitta.bound(mesh, &edges, job)?;
+                    (refined.bound, refined.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
                     break;
                 }
             }

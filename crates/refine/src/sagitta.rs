@@ -1,40 +1,39 @@
 //! By how much triangles may leave their surface, from the second derivatives of the field.
 //!
-//! With F the field less the isovalue, and h the greatest |eᵀ H e| of the three sides e of a triangle, F on the
-//! triangle differs from what is linear between its corners by at most
+//! With F the field less the isovalue, and h the greatest |eᵀ H e| along each side e of a triangle, F on the
+//! triangle differs from what is linear between its corners by at most the greatest value of
 //!
 //! ```text
-//! ½ (λ₀λ₁ + λ₁λ₂ + λ₂λ₀) h  ≤  h / 6
+//! ½ (λ₀λ₁ h₀₁ + λ₁λ₂ h₁₂ + λ₂λ₀ h₂₀)
 //! ```
 //!
 //! and the distance to the surface is that over |∇F|, to first order. To it comes what the corners themselves
 //! are off. H and ∇F are looked at in both ends of a side and in its middle.
 //!
-//! An edge is divided for what it is itself, so both triangles at it agree. An edge on a rim counts in the
-//! plane of the border; caps are flat and count nothing.
+//! Of a triangle whose bound is too great those sides are divided that make it so, whatever its neighbours
+//! need. A side on a rim counts in the plane of the border; caps are flat and count nothing.
 
 use crate::{RefineError, edges::Edges, ground::Ground, split::middle};
 use isokit_geom::vector::{Vector, sub};
 use isokit_job::{Job, in_chunks};
 use isokit_mesh::TriMesh;
 
-/// What is known of edges and vertices of a mesh. Infinite where nothing is.
+/// What is known of the edges of a mesh and its triangles.
 pub(crate) struct Sagitta {
-    /// What each edge adds to a triangle's bound at most, in world units.
-    edges: Vec<f64>,
-    /// How far each vertex is from the surface.
-    vertices: Vec<f64>,
     /// Whether an edge is to be divided.
     too_long: Vec<bool>,
-    error: f64,
+    /// The greatest bound of a triangle that is not above the error.
+    pub(crate) bound: f64,
+    /// Triangles whose bound is above the error, or unknown.
+    pub(crate) unbounded: u64,
 }
 
 impl Sagitta {
     /// Edges are divided so often at most: each into 1024.
     pub(crate) const ROUNDS: u32 = 10;
 
-    /// The part of the error that is left to vertices.
-    const VERTICES: f64 = 0.25;
+    /// A corner that is off by a greater part of the error spoils a triangle that no division mends.
+    const CORNERS: f64 = 0.25;
 
     pub(crate) fn of(
         (mesh, edges): (&TriMesh, &Edges),
@@ -50,48 +49,60 @@ impl Sagitta {
             range.map(|v| distance(mesh.positions.get(v), ground)).collect::<Vec<_>>()
         })?;
         let of_edges = in_chunks(count, job, |range| {
-            range.map(|edge| sagitta(mesh, edges.ends[edge], ground)).collect::<Vec<_>>()
+            range.map(|edge| bend(mesh, edges.ends[edge], ground)).collect::<Vec<_>>()
         })?;
-        let (of_edges, vertices) = (of_edges.concat(), of_vertices.concat());
-        let too_long = (0..count).map(|edge| {
-            let is_on = |v: u32| vertices[v as usize] <= Self::VERTICES * error;
-            let own = of_edges[edge];
-            own.is_finite()
-                && own > (1.0 - Self::VERTICES) * error
-                && edges.ends[edge].into_iter().all(is_on)
-        });
-        Ok(Self { too_long: too_long.collect(), edges: of_edges, vertices, error })
+        let (of_edges, of_vertices) = (of_edges.concat(), of_vertices.concat());
+        let looks = in_chunks(mesh.triangles.len(), &job.unwatched(), |range| {
+            let (mut bound, mut unbounded, mut long) = (0.0_f64, 0, vec![]);
+            for t in range {
+                let (sides, corners) = (edges.sides[t], mesh.triangles[t]);
+                let bends = sides.map(|edge| of_edges[edge as usize]);
+                let off =
+                    corners.iter().fold(0.0, |most: f64, &v| most.max(of_vertices[v as usize]));
+                let own = raised(bends) + off;
+                if own <= error {
+                    bound = bound.max(own);
+                    continue;
+                }
+                unbounded += 1;
+                let most = bends.into_iter().fold(0.0, f64::max);
+                if most.is_finite() && off <= Self::CORNERS * error {
+                    let counts = |k: &usize| bends[*k] > 0.5 * most;
+                    long.extend((0..3).filter(counts).map(|k| sides[k]));
+                }
+            }
+            (bound, unbounded, long)
+        })?;
+        let mut found = Self { too_long: vec![false; count], bound: 0.0, unbounded: 0 };
+        for (bound, unbounded, long) in looks {
+            found.bound = found.bound.max(bound);
+            found.unbounded += unbounded;
+            long.into_iter().for_each(|edge| found.too_long[edge as usize] = true);
+        }
+        Ok(found)
     }
 
-    /// Whether an edge is to be divided: it is longer than its surface allows, and dividing helps.
+    /// Whether an edge is to be divided: its triangle may leave the surface by too much, and dividing helps.
     pub(crate) fn is_too_long(&self, edge: usize) -> bool {
         self.too_long[edge]
     }
+}
 
-    /// The greatest bound within the error, and how many triangles have none.
-    pub(crate) fn bound(
-        &self,
-        mesh: &TriMesh,
-        edges: &Edges,
-        job: &Job,
-    ) -> Result<(Option<f64>, u64), RefineError> {
-        let found = in_chunks(mesh.triangles.len(), &job.unwatched(), |range| {
-            let (mut greatest, mut without) = (0.0_f64, 0);
-            for t in range {
-                let side =
-                    edges.sides[t].iter().fold(0.0, |m: f64, &e| m.max(self.edges[e as usize]));
-                let corners = mesh.triangles[t].iter().map(|&v| self.vertices[v as usize]);
-                let own = side + corners.fold(0.0, f64::max);
-                match own <= self.error {
-                    true => greatest = greatest.max(own),
-                    false => without += 1,
-                }
-            }
-            (greatest, without)
-        })?;
-        let greatest = found.iter().fold(0.0, |most: f64, chunk| most.max(chunk.0));
-        Ok((Some(greatest), found.iter().map(|chunk| chunk.1).sum()))
+/// The greatest value of ½ (λ₀λ₁a + λ₁λ₂b + λ₂λ₀c) on a triangle. For squared lengths of sides it is half of
+/// the square of the circle's radius around it, or an eighth of the longest where that is outside.
+fn raised(bends: [f64; 3]) -> f64 {
+    let [a, b, c] = bends;
+    let most = a.max(b).max(c);
+    if !(most.is_finite() && most > 0.0) {
+        return most;
     }
+    // By the greatest first, so that no product vanishes or overflows.
+    let [a, b, c] = bends.map(|bend| bend / most);
+    if a + b + c <= 2.0 {
+        return most / 8.0;
+    }
+    let doubled_area = 2.0 * (a * b + b * c + c * a) - (a * a + b * b + c * c);
+    most * (0.5 * a * b * c / doubled_area)
 }
 
 /// How far a vertex is from the surface, to first order; one of a cap is where it should be.
@@ -106,23 +117,45 @@ fn distance(place: Vector, ground: &Ground<'_>) -> f64 {
     found.filter(|found| found.is_finite()).unwrap_or(f64::INFINITY)
 }
 
-/// A sixth of the greatest second derivative along an edge over the least gradient.
-fn sagitta(mesh: &TriMesh, ends: [u32; 2], ground: &Ground<'_>) -> f64 {
+/// The greatest second derivative along an edge over the least gradient, in world units.
+fn bend(mesh: &TriMesh, ends: [u32; 2], ground: &Ground<'_>) -> f64 {
     let [a, b] = ends.map(|vertex| mesh.positions.get(vertex as usize));
     let [from, to] = [a, b].map(|place| ground.spot(place));
     if from.is_beyond || to.is_beyond {
         return 0.0;
     }
     let (held, along) = (from.held_with(&to), ground.displacement_ijk(sub(b, a)));
-    let (mut bend, mut steepness) = (0.0_f64, f64::INFINITY);
+    let (mut greatest, mut steepness) = (0.0_f64, f64::INFINITY);
     for ijk in [from.ijk, to.ijk, ground.spot(middle(mesh, ends)).ijk] {
         let jet = ground.field().jet(ijk);
         let Some(ascent) = ground.ascent(jet.gradient, held) else { return f64::INFINITY };
         steepness = steepness.min(ascent.steepness);
-        bend = bend.max(jet.bend(along).abs());
+        greatest = greatest.max(jet.bend(along).abs());
         if !jet.bend(along).is_finite() {
             return f64::INFINITY;
         }
     }
-    bend / steepness / 6.0
+    greatest / steepness
+}
+
+#[cfg(test)]
+mod tests {
+    use super::raised;
+
+    #[test]
+    fn a_bound_is_the_greatest_value_that_is_seen_on_the_triangle() {
+        let bends = [[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [5.0, 1.0, 2.0], [3.0, 2.5, 1.0]];
+        for [a, b, c] in bends.into_iter().chain([[0.0, 1e-200, 1e-200], [1e300, 8e299, 9e299]]) {
+            let mut seen = 0.0_f64;
+            for (i, j) in (0..=300).flat_map(|i| (0..=300 - i).map(move |j| (i, j))) {
+                let [x, y] = [i, j].map(|n| f64::from(n) / 300.0);
+                let z = 1.0 - x - y;
+                seen = seen.max(0.5 * (x * y * a + y * z * b + z * x * c));
+            }
+            let found = raised([a, b, c]);
+            assert!(seen <= found * (1.0 + 1e-12) && found <= seen * 1.0002, "{found:e}, {seen:e}");
+        }
+        assert_eq!(raised([0.0; 3]), 0.0);
+        assert_eq!(raised([1.0, f64::INFINITY, 0.0]), f64::INFINITY);
+    }
 }
