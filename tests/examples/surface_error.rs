@@ -28,41 +28,48 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let step = 2.0 / (points - 1) as f64;
     let ball = 4.0 / 3.0 * PI * 0.8_f64.powi(3);
     let ring = 2.0 * PI * PI * 0.6 * 0.25 * 0.25;
-    for (name, field, volume) in
-        [("ball", fields::sphere(0.8), ball), ("ring", fields::torus(0.6, 0.25), ring)]
-    {
+    let shapes = [("ball", fields::sphere(0.8), ball), ("ring", fields::torus(0.6, 0.25), ring)];
+    let extract = ExtractOptions::DEFAULT.with_placement(Placement::Cubic);
+    let surface = SurfaceOptions::default().with_extract(extract);
+    let mut all = vec![];
+    for (name, field, volume) in shapes {
         let samples = volumes::cube(&field, points);
-        let (grid, frame) = (*samples.grid(), samples.samples().iter().map(|&v| v as f32));
-        let scan = Scan::new(Volume::new(grid, frame.collect::<Vec<f32>>())?);
-        let extract = ExtractOptions::DEFAULT.with_placement(Placement::Cubic);
-        let surface = SurfaceOptions::default().with_extract(extract);
+        let (grid, values) = (*samples.grid(), samples.samples().iter().map(|&v| v as f32));
+        let scan = Scan::new(Volume::new(grid, values.collect::<Vec<f32>>())?);
         let whole = scan.mesh(0.0, &surface, &Job::default())?;
-        for (what, options) in [
-            ("extracted", RefineOptions::default()),
-            ("balanced", balanced),
-            ("refined 1", levels(1)),
-            ("refined 1, balanced", levels(1).with_balance(true)),
-            ("refined 2", levels(2)),
-            ("error 1/1000", error(1e-3 * step)),
-        ] {
+        all.push((name, field, volume, scan, whole));
+    }
+    for (what, options) in [
+        ("extracted", RefineOptions::default()),
+        ("balanced", balanced),
+        ("refined 1", levels(1)),
+        ("refined 1, balanced", levels(1).with_balance(true)),
+        ("refined 2", levels(2)),
+        ("error 1/1000", error(1e-3 * step)),
+    ] {
+        for (name, field, volume, scan, whole) in &all {
             let (mut mesh, start) = (whole.clone(), Instant::now());
             let found = scan.refine(0.0, &mut mesh, (&options, &surface), &Job::default())?;
             let seconds = start.elapsed().as_secs_f64();
-            let off = deviation(&mesh, &field);
+            let off = deviation(&mesh, field);
             let enclosed = measure(&mesh, &Job::default())?.volume;
             println!(
                 "{name}, {what}: {} triangles, rms {:.3e}, greatest {:.3e}, volume {:.2e}, {seconds:.3} s, \
-                 {found:?}",
+                 {} unprojected, {} undivided, {} unbounded, {} unbalanced",
                 mesh.triangles.len(),
                 off.rms / step,
                 off.greatest / step,
                 enclosed / volume - 1.0,
+                found.unprojected,
+                found.undivided,
+                found.unbounded,
+                found.unbalanced,
             );
         }
-        if points <= 128 {
-            let best = best_by_offsets(&whole, &field, &|p| outward(&field, p));
-            println!("{name}, best by offsets: rms {:.3e}", deviation(&best, &field).rms / step);
-        }
+    }
+    for (name, field, _, _, whole) in all.iter().filter(|_| points <= 128) {
+        let best = best_by_offsets(whole, field, &|place| outward(field, place));
+        println!("{name}, best by offsets: rms {:.3e}", deviation(&best, field).rms / step);
     }
     Ok(())
 }
