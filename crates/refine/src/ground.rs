@@ -142,7 +142,7 @@ impl<'a> Ground<'a> {
         let length = dot(rest, rest).sqrt();
         let is_direction = length > NOISE * dot(whole, whole).sqrt() && length.is_finite();
         let direction = rest.map(|c| c / length);
-        is_direction.then(|| Ascent { direction, steepness: length * greatest })
+        is_direction.then_some(Ascent { direction, steepness: length * greatest })
     }
 
     /// The point of the surface along its gradient from `start`, not farther than `reach` in the world and

@@ -56,9 +56,12 @@ pub(crate) fn root(f: impl Fn(f64) -> f64, slope: f64, reach: f64) -> Option<f64
 mod tests {
     use super::root;
 
+    /// A function, and how steep it is at 0.
+    type Shape = (fn(f64) -> f64, f64);
+
     #[test]
     fn roots_of_many_shapes_are_found_to_the_last_digits() {
-        let shapes: [(fn(f64) -> f64, f64); 5] = [
+        let shapes: [Shape; 5] = [
             (|x| x, 1.0),
             (|x| x.sinh() + 0.3 * x, 1.3),
             (|x| (3.0 * x).tanh(), 3.0),
