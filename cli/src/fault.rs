@@ -6,6 +6,7 @@ use isokit::{
     job::{Stopped, ThreadsError},
     marching_cubes::ExtractError,
     pipeline::PipelineError,
+    refine::RefineError,
 };
 use std::{error::Error as StdError, io};
 
@@ -110,6 +111,7 @@ fn of_pipeline(error: &PipelineError) -> Fault {
         PipelineError::Write(error) => of_write(&error.fault),
         PipelineError::Stopped(stopped) => of_stopped(stopped),
         PipelineError::Extract(error) => of_extract(error),
+        PipelineError::Refine(error) => of_refine(error),
         PipelineError::Space(_) => {
             Fault::Caller("leave --space out, or use --space index for sample numbers")
         }
@@ -140,6 +142,16 @@ fn of_extract(error: &ExtractError) -> Fault {
             Fault::Caller("choose another isovalue; `isokit info` shows the range")
         }
         ExtractError::Stopped(stopped) => of_stopped(stopped),
+        _ => Fault::Ours("this should not happen; please report it"),
+    }
+}
+
+fn of_refine(error: &RefineError) -> Fault {
+    match error {
+        RefineError::Stopped(stopped) => of_stopped(stopped),
+        RefineError::TooLarge { .. } => {
+            Fault::Caller("divide less, with --refine or --max-error, or take a part with --roi")
+        }
         _ => Fault::Ours("this should not happen; please report it"),
     }
 }

@@ -4,6 +4,7 @@
 
 mod layout;
 mod mesh;
+mod refine;
 mod system;
 mod timings;
 mod volume;
@@ -12,6 +13,7 @@ use layout::Layout;
 pub(crate) use mesh::{
     CheckReport, MeshCounts, MeshReport, SlabCounts, SurfaceBrief, SurfaceReport, around,
 };
+pub(crate) use refine::RefineReport;
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{VolumeFacts, VolumeReport};

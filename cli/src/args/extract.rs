@@ -16,6 +16,7 @@ Examples:
   isokit extract scan.raw --dims 256,256,128 --dtype u16be --spacing 0.7,0.7,1.2 \\
       --iso 900 -o tooth.ply
   isokit extract ct.nii.gz --iso auto -o bone.stl --report bone.json
+  isokit extract ct.nii.gz --iso 300 --refine 1 --balance -o smooth.ply
   isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
 
 Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`.")]
@@ -36,9 +37,9 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) topology: TopologyArg,
     /// Where between two samples a vertex lies, for samples h apart of a smooth field; the triangles are the
-    /// same
-    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
-    pub(crate) placement: PlacementArg,
+    /// same [default: linear; cubic with --refine, --max-error or --balance]
+    #[arg(long, value_enum, help_heading = "Surface")]
+    pub(crate) placement: Option<PlacementArg>,
     /// Which normals the vertices get
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) normals: NormalsArg,
@@ -48,6 +49,20 @@ pub(crate) struct ExtractArgs {
     /// What to do about samples that are NaN
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) nan: NanArg,
+    /// Divide each triangle into four, N times, with new vertices on the cubic field through the samples:
+    /// between vertices the error falls to a quarter each time
+    #[arg(long, value_name = "N", value_parser = values::levels, help_heading = "Accuracy")]
+    pub(crate) refine: Option<u32>,
+    /// Divide triangles, only where the field curves, until none leaves its surface by more than E, in world
+    /// units. Those of which that cannot be said, as in noise, are counted
+    #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Accuracy")]
+    #[arg(conflicts_with = "refine")]
+    pub(crate) max_error: Option<f64>,
+    /// Move vertices along their normals so that triangles lie as much outside of the field's surface as
+    /// inside: without a triangle more, the error between vertices falls to a half or third, and that of
+    /// the enclosed volume to nearly nothing
+    #[arg(long, help_heading = "Accuracy")]
+    pub(crate) balance: bool,
     /// Part of the volume, in samples: x0:x1,y0:y1,z0:z1, upper ends not included; an end may be left
     /// out
     #[arg(long, value_name = "RANGES", value_parser = Region::parse_samples)]
@@ -66,7 +81,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, conflicts_with_all = ["roi", "roi_mm", "max_memory"], help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
-    /// the same. Not with --normals area, nor for -o - or NPY in Fortran order
+    /// the same. Not with --normals area, --refine, --max-error or --balance, nor for -o - or NPY in Fortran order
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Write a report as JSON, to a file or to - for stdout

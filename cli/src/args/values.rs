@@ -1,6 +1,8 @@
 //! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
 
-use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
+use isokit::{
+    geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, refine::Subdivision, volume::Dtype,
+};
 use std::{any::type_name, num::NonZeroUsize, str::FromStr};
 
 /// `x,y,z`.
@@ -101,6 +103,18 @@ pub(crate) fn distance(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a distance, 0 or more, found {text:?}"))
 }
 
+/// An error that can be reached: above 0.
+pub(crate) fn error(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| format!("expected a distance above 0, found {text:?}"))
+}
+
+/// How often triangles are divided.
+pub(crate) fn levels(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|number| (1..=Subdivision::MOST).contains(number));
+    number.ok_or_else(|| format!("expected 1 to {}, found {text:?}", Subdivision::MOST))
+}
+
 /// A known unit by its symbol.
 pub(crate) fn unit(text: &str) -> Result<Unit, String> {
     let unit = Unit::from_symbol(text).filter(|unit| unit.metres().is_some());
@@ -113,7 +127,7 @@ pub(crate) fn unit(text: &str) -> Result<Unit, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LevelArg, SampleType, Triple, count, distance, sizes, unit};
+    use super::{LevelArg, SampleType, Triple, count, distance, error, levels, sizes, unit};
     use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
 
     fn level(text: &str) -> Result<LevelArg, String> {
@@ -192,6 +206,18 @@ mod tests {
         assert_eq!(distance("0"), Ok(0.0));
         for text in ["-1", "nan", "inf", "x"] {
             assert!(distance(text).unwrap_err().ends_with(&format!("found {text:?}")));
+        }
+    }
+
+    #[test]
+    fn errors_are_above_0_and_levels_few() {
+        assert_eq!((error("1e-3"), levels("1"), levels("6")), (Ok(1e-3), Ok(1), Ok(6)));
+        for text in ["0", "-0", "-1", "nan", "inf", "x", ""] {
+            let refusal = format!("expected a distance above 0, found {text:?}");
+            assert_eq!(error(text), Err(refusal));
+        }
+        for text in ["0", "7", "-1", "1.5", "x", ""] {
+            assert_eq!(levels(text), Err(format!("expected 1 to 6, found {text:?}")));
         }
     }
 }

@@ -5,10 +5,10 @@ use crate::{
     Exit, Session,
     plan::{ExtractPlan, LevelPlan, Repeat, Stream},
     report::{
-        EXTRACT_SCHEMA, ExtractReport, MeshCounts, SurfaceReport, Timings, VolumeFacts, median,
-        peak_rss_bytes, simd, timed, to_json,
+        EXTRACT_SCHEMA, ExtractReport, MeshCounts, RefineReport, SurfaceReport, Timings,
+        VolumeFacts, median, peak_rss_bytes, simd, timed, to_json,
     },
-    text::counted,
+    text::{counted, grouped},
 };
 use anyhow::{Context, Result};
 use isokit::{
@@ -18,6 +18,7 @@ use isokit::{
     marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
     pipeline::{Index, IsoChoice, PipelineError, Scan},
+    refine::{Refined, Subdivision},
 };
 use std::{io::Write, time::Instant};
 
@@ -51,10 +52,12 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     }
     let isos = isos(plan, |choice, job| scan.iso(choice, job), session)?;
     let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
-    let surfaces = surfaces(&plan.levels, &isos, meshes);
-    for (surface, extracted) in surfaces.iter().zip(&extracted) {
-        tell(plan, &scan, surface, session)?;
+    let mut surfaces = surfaces(&plan.levels, &isos, meshes);
+    let refined = timed(&mut timings.mend, || refined(plan, &scan, &mut surfaces, session))?;
+    for ((surface, extracted), refined) in surfaces.iter().zip(&extracted).zip(&refined) {
+        tell(plan, &scan, (surface, extracted), session)?;
         tell_singular(extracted, &surface.name, session);
+        tell_refined(plan, refined, &surface.name, session);
     }
     let written = timed(&mut timings.write, || write(plan, &scan, &surfaces, session))?;
     timings.total = start.elapsed().as_secs_f64();
@@ -62,7 +65,8 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     if plan.report.is_none() && !session.console.is_verbose() {
         return Ok(String::new());
     }
-    report(plan, &scan, &surfaces, &written, (&extracted, timings), session)
+    let found: Vec<_> = extracted.into_iter().zip(refined).collect();
+    report(plan, &scan, &surfaces, &written, (&found, timings), session)
 }
 
 /// Says where the mesh went, what is to be known about that, and how long steps took.
@@ -71,10 +75,10 @@ pub(super) fn tell_written(written: &Written, timings: &Timings, session: &Sessi
     for file in &written.files {
         session.console.info(&format!("wrote {}", file.display()));
     }
-    let Timings { read, index, extract, write, total, .. } = timings;
+    let Timings { read, index, extract, mend, write, total, .. } = timings;
     session.console.detail(&format!(
-        "read {read:.3} s, index {index:.3} s, extract {extract:.3} s, write {write:.3} s, \
-         total {total:.3} s"
+        "read {read:.3} s, index {index:.3} s, extract {extract:.3} s, mend {mend:.3} s, \
+         write {write:.3} s, total {total:.3} s"
     ));
 }
 
@@ -160,11 +164,47 @@ fn surfaces(levels: &[LevelPlan], isos: &[f64], meshes: Vec<TriMesh>) -> Vec<Sur
     levels.iter().zip(isos).zip(meshes).map(surface).collect()
 }
 
+/// Brings the meshes nearer to their field, if that is wanted.
+fn refined(
+    plan: &ExtractPlan,
+    scan: &Scan,
+    surfaces: &mut [Surface],
+    session: &Session<'_, '_>,
+) -> Result<Vec<Refined>> {
+    let refine = |surface: &mut Surface| {
+        let iso = surface.iso.unwrap_or(f64::NAN);
+        let options = (&plan.refine, &plan.surface);
+        Ok(scan.refine(iso, &mut surface.mesh, options, &session.job)?)
+    };
+    surfaces.iter_mut().map(refine).collect()
+}
+
+/// Says what became of a surface after it was extracted, and what not.
+fn tell_refined(plan: &ExtractPlan, refined: &Refined, name: &str, session: &Session<'_, '_>) {
+    let Refined { new_vertices, unprojected, balanced, unbalanced, .. } = *refined;
+    if plan.refine.subdivision != Subdivision::None {
+        let vertices = counted(new_vertices, "vertex is", "vertices are");
+        let off = grouped(unprojected);
+        session.console.detail(&format!("{name}: {vertices} new, {off} of them not on the field"));
+    }
+    if plan.refine.balance {
+        let vertices = counted(balanced, "vertex is", "vertices are");
+        let kept = grouped(unbalanced);
+        session.console.detail(&format!("{name}: {vertices} balanced, {kept} could not be"));
+    }
+    if let (Subdivision::MaxError(error), 1..) = (plan.refine.subdivision, refined.unbounded) {
+        let triangles = counted(refined.unbounded, "triangle", "triangles");
+        session.console.warn(&format!(
+            "{name}: of {triangles} it cannot be said that they leave the surface by {error} at most"
+        ));
+    }
+}
+
 /// Says how large a surface is, and what is peculiar about it.
 fn tell(
     plan: &ExtractPlan,
     scan: &Scan,
-    surface: &Surface,
+    (surface, extracted): (&Surface, &Extracted),
     session: &Session<'_, '_>,
 ) -> Result<()> {
     let counts = surface.mesh.counts();
@@ -172,7 +212,7 @@ fn tell(
     let triangles = counted(counts.triangles, "triangle", "triangles");
     session.console.info(&format!("{}: {vertices}, {triangles}", surface.name));
     let iso = surface.iso.unwrap_or(f64::NAN);
-    let remark = scan.remark(iso, counts, &plan.surface, &session.job)?;
+    let remark = scan.remark(iso, extracted.counts, &plan.surface, &session.job)?;
     remark.iter().for_each(|remark| session.console.warn(&remark.to_string()));
     Ok(())
 }
@@ -199,17 +239,19 @@ fn report(
     scan: &Scan,
     surfaces: &[Surface],
     written: &Written,
-    (extracted, timings_s): (&[Extracted], Timings),
+    (found, timings_s): (&[(Extracted, Refined)], Timings),
     session: &Session<'_, '_>,
 ) -> Result<String> {
     let peak_rss_bytes = peak_rss_bytes(); // of the work, not of the report
     let mut of_surfaces = vec![];
-    for (surface, extracted) in surfaces.iter().zip(extracted) {
-        let found = topology(&surface.mesh, &session.job)?;
-        let counts = sentence(&MeshCounts::of(&found));
+    for (surface, (extracted, refined)) in surfaces.iter().zip(found) {
+        let topology = topology(&surface.mesh, &session.job)?;
+        let counts = sentence(&MeshCounts::of(&topology));
         session.console.detail(&format!("{}: {counts}", surface.name));
         let singular_cells = Some(extracted.singular_cells);
-        of_surfaces.push(SurfaceReport { singular_cells, ..SurfaceReport::of(surface, &found) });
+        let refined = RefineReport::of(&plan.refine, refined);
+        let report = SurfaceReport::of(surface, &topology);
+        of_surfaces.push(SurfaceReport { singular_cells, refined, ..report });
     }
     let report = ExtractReport {
         schema: EXTRACT_SCHEMA,
@@ -219,7 +261,7 @@ fn report(
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,
-        skipped: extracted.first().map_or(Skipped::default(), |one| one.skipped).into(),
+        skipped: found.first().map_or(Skipped::default(), |(one, _)| one.skipped).into(),
         timings_s,
         threads: session.job.threads.count(),
         simd: simd(),

@@ -159,6 +159,7 @@ fn report(
             iso: head.iso,
             color: head.color.map(|color| color.to_string()),
             singular_cells: Some(extracted.singular_cells),
+            refined: None,
             counts: SlabCounts::of(gauge),
             shortfalls: None,
         };

@@ -2,15 +2,16 @@
 
 use super::{MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
-    args::{ExtractArgs, LevelArg},
+    args::{ExtractArgs, LevelArg, PlacementArg},
     fault::UsageError,
 };
 use anyhow::Result;
 use isokit::{
     io::{VolumeOptions, mesh_files},
-    marching_cubes::ExtractOptions,
+    marching_cubes::{Degenerate, ExtractOptions},
     mesh::Rgba,
     pipeline::{IsoChoice, Normals, Region, SurfaceOptions, TargetSpace},
+    refine::{RefineOptions, Subdivision},
 };
 use std::{num::NonZeroUsize, path::PathBuf};
 
@@ -23,6 +24,8 @@ pub(crate) struct ExtractPlan {
     pub(crate) space: TargetSpace,
     pub(crate) levels: Vec<LevelPlan>,
     pub(crate) surface: SurfaceOptions,
+    /// What is done with surfaces after that.
+    pub(crate) refine: RefineOptions,
     pub(crate) target: MeshTarget,
     pub(crate) index: bool,
     pub(crate) report: Option<TextTarget>,
@@ -58,12 +61,16 @@ impl ExtractPlan {
             let says = "mesh and report cannot both go to stdout: name a file for one of them";
             return Err(UsageError(says.into()).into());
         }
-        // One answer, so far: a new one must be handed on here.
+        let refine = refine(&args);
+        let placement = args.placement.unwrap_or(match refine.do_nothing() {
+            true => PlacementArg::default(),
+            false => PlacementArg::Cubic, // what is refined stands on its vertices
+        });
         let extract = ExtractOptions::DEFAULT
             .with_boundary(args.boundary.into())
             .with_topology(args.topology.into())
             .with_degenerate(args.degenerate.into())
-            .with_placement(args.placement.into())
+            .with_placement(placement.into())
             .with_nan(args.nan.into());
         let surface =
             SurfaceOptions::default().with_extract(extract).with_normals(args.normals.into());
@@ -72,8 +79,9 @@ impl ExtractPlan {
             (Some(times), None) => Repeat::Cold(times),
             (None, None) => Repeat::Once,
         };
+        check_refine(&refine, &surface)?;
         if args.max_memory.is_some() {
-            check_slabs(&target, &surface, repeat)?;
+            check_slabs(&target, (&surface, &refine), repeat)?;
         }
         let plan = Self {
             volume: args.volume.options(),
@@ -82,6 +90,7 @@ impl ExtractPlan {
             space: args.space.into(),
             levels: levels(args.iso),
             surface,
+            refine,
             target,
             index: args.index,
             report,
@@ -140,10 +149,32 @@ impl LevelPlan {
     }
 }
 
+/// What is to be done with surfaces once they are there.
+fn refine(args: &ExtractArgs) -> RefineOptions {
+    let subdivision = match (args.refine, args.max_error) {
+        (Some(levels), _) => Subdivision::Levels(levels),
+        (None, Some(error)) => Subdivision::MaxError(error),
+        (None, None) => Subdivision::None,
+    };
+    RefineOptions::default().with_subdivision(subdivision).with_balance(args.balance)
+}
+
+/// What does not fit together with triangles that are changed.
+fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), UsageError> {
+    match surface.extract.degenerate {
+        Degenerate::Exact if !refine.do_nothing() => Err(UsageError(
+            "--degenerate exact makes triangles without area, which can neither be divided nor \
+             balanced: leave out either it or --refine, --max-error and --balance"
+                .into(),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// What does not fit together with slices that pass by.
 fn check_slabs(
     target: &MeshTarget,
-    surface: &SurfaceOptions,
+    (surface, refine): (&SurfaceOptions, &RefineOptions),
     repeat: Repeat,
 ) -> Result<(), UsageError> {
     let says = match (&target.stream, surface.normals, repeat) {
@@ -152,6 +183,10 @@ fn check_slabs(
         }
         (_, Normals::Area, _) => {
             "--normals area needs the whole mesh in memory: leave out either it or --max-memory"
+        }
+        _ if !refine.do_nothing() => {
+            "--refine, --max-error and --balance need the whole mesh and the whole volume in memory: \
+             leave out either them or --max-memory"
         }
         (.., Repeat::Cold(_) | Repeat::Warm(_)) => {
             "--repeat times an extraction in memory: leave out either it or --max-memory"

@@ -1,5 +1,6 @@
 //! What can be said of a mesh.
 
+use super::RefineReport;
 use isokit::{
     geom::Aabb,
     mesh::{Gauge, Surface, Topology},
@@ -77,6 +78,9 @@ pub(crate) struct SurfaceReport<C = MeshCounts> {
     /// Cells in which a saddle is exactly on the isovalue; where the surface was extracted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) singular_cells: Option<u64>,
+    /// What was done after that, where anything was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) refined: Option<RefineReport>,
     #[serde(flatten)]
     pub(crate) counts: C,
     /// What it lacks to be a surface that every program takes, in words; where that was asked.
@@ -177,6 +181,7 @@ impl SurfaceReport {
             iso: surface.iso,
             color: surface.color.map(|color| color.to_string()),
             singular_cells: None,
+            refined: None,
             counts: MeshCounts::of(topology),
             shortfalls: None,
         }

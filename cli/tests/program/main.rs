@@ -8,6 +8,7 @@ mod index;
 mod info;
 mod kit;
 mod places;
+mod refine;
 mod report;
 mod slabs;
 mod streams;

@@ -32,6 +32,7 @@
 //! | know what holds for every mesh | [`guide::guarantees`] |
 //! | know what is read and written, in which axes and units | [`guide::formats`], [`io`] |
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
+//! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |
 //! | write a surface that no memory holds | [`io::MeshSpool`] |
 //! | find out what is wrong with a mesh | [`mesh::topology`] |
@@ -47,12 +48,14 @@
 pub mod guide;
 pub mod pipeline;
 
+pub use isokit_field as field;
 pub use isokit_geom as geom;
 pub use isokit_io as io;
 pub use isokit_job as job;
 pub use isokit_lanes as lanes;
 pub use isokit_marching_cubes as marching_cubes;
 pub use isokit_mesh as mesh;
+pub use isokit_refine as refine;
 pub use isokit_volume as volume;
 pub use isokit_volume::{for_any, for_dtype};
 

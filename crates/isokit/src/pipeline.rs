@@ -7,6 +7,7 @@
 //! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
+//! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
@@ -15,6 +16,7 @@
 mod error;
 mod index;
 mod iso;
+mod refine;
 mod region;
 mod remark;
 mod scan;

@@ -5,19 +5,18 @@
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
 //!
-//! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge (`line`),
+//! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge ([`line`]),
 //! and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
 //! that of linear interpolation. Normals of the same order need no more than finite samples.
 
 mod curve;
-mod line;
 
 use crate::Placement;
 use curve::Curve;
 use isokit_lanes::{
     Coordinate, Crossings, Edges, Field, Samples, Vertices, Word, cubic_crossings, vertices,
 };
-use isokit_volume::{Sample, View, differences};
+use isokit_volume::{Sample, View, differences, line};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
 const TAME: std::ops::Range<f64> = 1e-120..1e120;

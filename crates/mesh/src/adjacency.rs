@@ -14,9 +14,10 @@ pub(crate) fn is_sound([a, b, c]: [u32; 3], vertices: usize) -> bool {
     a != b && b != c && c != a && (a.max(b).max(c) as usize) < vertices
 }
 
-/// The sound triangles around each vertex, in ascending order.
+/// The sound triangles around each vertex, in ascending order: those of three different vertices that are
+/// there.
 #[derive(Debug)]
-pub(crate) struct Stars {
+pub struct Stars {
     /// Where the triangles of each vertex begin, and, last, how many there are in all.
     first: Vec<usize>,
     triangles: Vec<u32>,
@@ -28,7 +29,7 @@ impl Stars {
     /// # Errors
     ///
     /// If the job is cancelled or allows less memory than this takes: 8 bytes per vertex, 12 per triangle.
-    pub(crate) fn new(vertices: usize, triangles: &[[u32; 3]], job: &Job) -> Result<Self, Stopped> {
+    pub fn new(vertices: usize, triangles: &[[u32; 3]], job: &Job) -> Result<Self, Stopped> {
         const WHAT: &str = "the triangles around each vertex";
         if u32::try_from(triangles.len()).is_err() {
             // Triangles are numbered in 32 bits; so many take 48 GiB themselves.
@@ -83,15 +84,19 @@ impl Stars {
     }
 
     /// The triangles around `vertex`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such vertex.
     #[inline]
-    pub(crate) fn of(&self, vertex: usize) -> &[u32] {
+    pub fn of(&self, vertex: usize) -> &[u32] {
         &self.triangles[self.first[vertex]..self.first[vertex + 1]]
     }
 }
 
 /// The two other corners of a triangle around `vertex`: the one after it and the one before it.
 #[inline]
-pub(crate) fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
+pub fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
     match vertex {
         v if v == a => [b, c],
         v if v == b => [c, a],

@@ -1,32 +1,4 @@
-//! Long loops cut into chunks that do not depend on the number of threads.
-//!
-//! What is added up per chunk, and then chunk after chunk in order, is the same sum for any number of
-//! threads. Between chunks a task looks whether it should stop, and tells how far it is.
-
-use isokit_job::{Cancelled, Job};
-use rayon::prelude::*;
-use std::ops::Range;
-
-/// Items per chunk: a fraction of a millisecond of work, thousands of chunks in a large mesh.
-pub(crate) const CHUNK: usize = 1 << 14;
-
-/// Runs `work` on each chunk of `0..items`, in parallel; the results come in the order of the chunks.
-/// Progress advances by one per item.
-pub(crate) fn in_chunks<T: Send>(
-    items: usize,
-    job: &Job,
-    work: impl Fn(Range<usize>) -> T + Sync,
-) -> Result<Vec<T>, Cancelled> {
-    let chunk = |n: usize| {
-        job.check()?;
-        let range = n * CHUNK..items.min((n + 1) * CHUNK);
-        let length = range.len() as u64;
-        let done = work(range);
-        job.progress.advance(length);
-        Ok(done)
-    };
-    job.threads.run(|| (0..items.div_ceil(CHUNK)).into_par_iter().map(chunk).collect())
-}
+//! What is added up or counted chunk by chunk, the same for any number of threads.
 
 /// A sum that carries along what each addition rounds off (Neumaier): as if made in twice the precision.
 #[derive(Clone, Copy, Debug, Default)]
@@ -86,24 +58,7 @@ impl<T: Default> Tallies<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{CHUNK, Sum, in_chunks};
-    use isokit_job::{Cancelled, Job};
-
-    #[test]
-    fn chunks_cover_all_items_in_order() {
-        for items in [0, 1, CHUNK, 3 * CHUNK + 5] {
-            let ranges = in_chunks(items, &Job::default(), |range| range).unwrap();
-            assert!(ranges.into_iter().flatten().eq(0..items));
-        }
-    }
-
-    #[test]
-    fn a_cancelled_job_does_nothing() {
-        let job = Job::default();
-        job.cancel.cancel();
-        let touched = in_chunks(5, &job, |_| unreachable!("cancelled before"));
-        assert_eq!(touched, Err::<Vec<()>, _>(Cancelled));
-    }
+    use super::Sum;
 
     #[test]
     fn a_sum_forgets_nothing_that_cancels() {

@@ -11,14 +11,13 @@ mod sinks;
 
 pub use sinks::Gauged;
 
-use crate::{
-    Measure, TriMesh,
-    chunks::{CHUNK, Sum},
-    is_degenerate,
+use crate::{Measure, TriMesh, chunks::Sum, is_degenerate};
+use edges::Edges;
+use isokit_geom::{
+    Aabb,
     vector::{dot, length, normal, sub},
 };
-use edges::Edges;
-use isokit_geom::Aabb;
+use isokit_job::CHUNK;
 use rayon::prelude::*;
 
 /// What is known of a surface that was never in memory as a whole. The same as

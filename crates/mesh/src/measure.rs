@@ -7,11 +7,13 @@
 use crate::{
     TriMesh,
     adjacency::is_sound,
-    chunks::{Sum, Tallies, in_chunks},
+    chunks::{Sum, Tallies},
+};
+use isokit_geom::{
+    Aabb,
     vector::{dot, length, normal, sub},
 };
-use isokit_geom::Aabb;
-use isokit_job::{Cancelled, Job};
+use isokit_job::{Cancelled, Job, in_chunks};
 
 /// How large a surface is, in the unit of its positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

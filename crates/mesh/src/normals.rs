@@ -1,12 +1,8 @@
 //! Vertex normals made from the triangles around each vertex.
 
-use crate::{
-    TriMesh,
-    adjacency::Stars,
-    chunks::in_chunks,
-    vector::{Vector, dot, length, normal},
-};
-use isokit_job::{Job, Stopped};
+use crate::{TriMesh, adjacency::Stars};
+use isokit_geom::vector::{Vector, dot, length, normal};
+use isokit_job::{Job, Stopped, in_chunks};
 
 /// Gives each vertex the mean of the normals of its triangles, each weighted by its area.
 ///

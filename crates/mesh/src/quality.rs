@@ -1,11 +1,8 @@
 //! How well shaped triangles are, and which have no shape at all.
 
-use crate::{
-    TriMesh,
-    chunks::in_chunks,
-    vector::{Vector, dot, length, normal, sub},
-};
-use isokit_job::{Cancelled, Job};
+use crate::TriMesh;
+use isokit_geom::vector::{Vector, dot, length, normal, sub};
+use isokit_job::{Cancelled, Job, in_chunks};
 use robust::{Coord, orient2d};
 
 /// Whether three points are on one line, or in one place. The answer is exact, not a matter of rounding,

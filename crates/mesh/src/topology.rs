@@ -18,12 +18,12 @@
 use crate::{
     Component, Measure, TriMesh,
     adjacency::{Spoke, Stars, edges, is_sound, others, spokes},
-    chunks::{CHUNK, Tallies, in_chunks},
+    chunks::Tallies,
     components::Pieces,
     measure::{Part, finite_bounds, measure_parts},
     quality::is_degenerate,
 };
-use isokit_job::{Cancelled, Job, Stopped};
+use isokit_job::{CHUNK, Cancelled, Job, Stopped, in_chunks};
 
 /// What can be said of a mesh as a surface. An empty mesh is a surface in every respect.
 #[derive(Clone, Debug, Default, PartialEq)]

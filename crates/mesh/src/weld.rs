@@ -15,9 +15,8 @@
 use crate::{
     Positions, TriMesh,
     adjacency::{Stars, edges, spokes},
-    chunks::in_chunks,
 };
-use isokit_job::{Job, OverLimit, Stopped};
+use isokit_job::{Job, OverLimit, Stopped, in_chunks};
 use std::array;
 
 /// A mesh after welding, and what that did to it.

@@ -4,6 +4,7 @@ use crate::pipeline::{IsoChoice, RegionError, UnknownSpace};
 use isokit_io::{ReadError, WriteError};
 use isokit_job::{Cancelled, OverLimit, Stopped};
 use isokit_marching_cubes::ExtractError;
+use isokit_refine::RefineError;
 
 /// Why a step from scan to mesh failed.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +30,9 @@ pub enum PipelineError {
     /// There is no surface; places are sample numbers of the whole volume.
     #[error(transparent)]
     Extract(#[from] ExtractError),
+    /// The surface could not be refined.
+    #[error(transparent)]
+    Refine(#[from] RefineError),
     /// The mesh could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),

@@ -281,7 +281,7 @@ impl Scan {
         Remark::among(self, dims, (iso, counts), options, job)
     }
 
-    fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
+    pub(super) fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
         volume.view().part(self.part.clone()).expect("the part was checked against the volume")
     }
 

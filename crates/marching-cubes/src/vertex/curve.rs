@@ -148,7 +148,8 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::Curve;
-    use crate::vertex::{delta, line};
+    use crate::vertex::delta;
+    use isokit_volume::line;
     use proptest::prelude::*;
 
     /// The two in the middle, less the isovalue, and where linear interpolation crosses.

@@ -9,10 +9,10 @@
 /// The most samples of a stencil: those of a difference of order six.
 const MOST: usize = 7;
 
-/// The values on a line from index `first` on, as many as there is room for. `value` tells them from 0 to
-/// `size`; beyond, the line is continued.
+/// The values on a line from index `first` on, as many as there is room for, seven at most. `value` tells
+/// them from 0 to `size`; beyond, the line is continued.
 #[inline(always)]
-pub(super) fn values(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
+pub fn values(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
     if first >= 0 && first as usize + out.len() <= size {
         for (n, out) in out.iter_mut().enumerate() {
             *out = value(first as usize + n);
@@ -62,7 +62,7 @@ fn before(near: &mut [f64]) -> f64 {
 /// The derivative in the middle of an odd number of values, per step, to the order of the steps between
 /// the outermost: central differences (Fornberg 1988).
 #[inline(always)]
-pub(super) fn slope(values: &[f64]) -> f64 {
+pub fn slope(values: &[f64]) -> f64 {
     let middle = values.len() / 2;
     let across = |steps: usize| values[middle + steps] - values[middle - steps];
     match middle {
@@ -74,7 +74,7 @@ pub(super) fn slope(values: &[f64]) -> f64 {
 /// The weights of an even number of values around an edge in what the polynomial through all of them is at
 /// `s` steps from its middle (Lagrange): of the nearest pair, lower and upper, then of the next.
 #[inline(always)]
-pub(super) fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
+pub fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
     let place = |pair: usize| pair as f64 + 0.5;
     std::array::from_fn(|pair| {
         let mut weight = 0.5 / place(pair);
@@ -88,14 +88,13 @@ pub(super) fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
 
 /// The sum of values around an edge by their weights, in pairs, so that a mirror changes no bit.
 #[inline(always)]
-pub(super) fn mean<const PAIRS: usize>(values: &[f64], weights: &[[f64; 2]; PAIRS]) -> f64 {
+pub fn mean<const PAIRS: usize>(values: &[f64], weights: &[[f64; 2]; PAIRS]) -> f64 {
     let pair = |n: usize| values[PAIRS - 1 - n] * weights[n][0] + values[PAIRS + n] * weights[n][1];
     (1..PAIRS).fold(pair(0), |sum, n| sum + pair(n))
 }
 
 /// What the polynomial through four or six values around an edge is at `s` steps from its middle.
-#[cfg(test)]
-pub(super) fn between(values: &[f64], s: f64) -> f64 {
+pub fn between(values: &[f64], s: f64) -> f64 {
     match values.len() {
         4 => mean::<2>(values, &weights(s)),
         _ => mean::<3>(values, &weights(s)),

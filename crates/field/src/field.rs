@@ -1,0 +1,57 @@
+//! What a function of space can be asked.
+
+use isokit_geom::Affine;
+
+/// Value and gradient at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// The value.
+    pub value: f64,
+    /// How fast it changes along x, y, z of index space, per sample.
+    pub gradient: [f64; 3],
+}
+
+/// Value, gradient and second derivatives at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet {
+    /// The value.
+    pub value: f64,
+    /// The first derivatives along x, y, z of index space, per sample.
+    pub gradient: [f64; 3],
+    /// The second derivatives, row by row; symmetric.
+    pub hessian: [[f64; 3]; 3],
+}
+
+impl Jet {
+    /// The second derivative along a displacement `e` in index space: eᵀ H e. The same number in world space,
+    /// for the same displacement there.
+    pub fn bend(&self, e: [f64; 3]) -> f64 {
+        let row = |k: usize| {
+            let h = self.hessian[k];
+            h[0] * e[0] + h[1] * e[1] + h[2] * e[2]
+        };
+        e[0] * row(0) + e[1] * row(1) + e[2] * row(2)
+    }
+}
+
+/// A function of index space that is smooth but for the faces of cells.
+///
+/// Where there is nothing to make a value of, it is NaN, and so are the derivatives. Nothing panics,
+/// whatever the point.
+pub trait ScalarField: Sync {
+    /// Samples along x, y, z. The field is known from 0 to one less than these; a little farther out it goes
+    /// on as it is at the border.
+    fn dims(&self) -> [usize; 3];
+
+    /// Where index space lies in the world.
+    fn index_to_world(&self) -> Affine;
+
+    /// The value at a point.
+    fn value(&self, ijk: [f64; 3]) -> f64;
+
+    /// The value and its gradient.
+    fn slope(&self, ijk: [f64; 3]) -> Slope;
+
+    /// The value, its gradient and its Hessian.
+    fn jet(&self, ijk: [f64; 3]) -> Jet;
+}

@@ -1,0 +1,50 @@
+//! Brings a mesh of a scan nearer to the scan's field.
+
+use crate::pipeline::{Normals, PipelineError, Scan, SurfaceOptions};
+use isokit_field::Sampled;
+use isokit_job::Job;
+use isokit_marching_cubes::Degenerate;
+use isokit_mesh::{TriMesh, area_normals};
+use isokit_refine::{Isosurface, RefineError, RefineOptions, Refined, refine};
+use isokit_volume::for_any;
+
+impl Scan {
+    /// Brings the surface where the value is `iso`, as [`mesh`](Self::mesh) made it with these options, nearer to
+    /// the cubic field through the samples: between vertices, in area and in volume.
+    ///
+    /// Vertices that are there stay or are balanced where they are, so they should be of
+    /// [`Placement::Cubic`](isokit_marching_cubes::Placement::Cubic) or better.
+    ///
+    /// # Errors
+    ///
+    /// If the options mean nothing; if they are for a surface of [`Degenerate::Exact`], whose triangles
+    /// without area cannot be divided; if 32 bits cannot number the vertices; or if the job is cancelled or
+    /// allows less memory. The mesh is then sound, and as far as it was.
+    pub fn refine(
+        &self,
+        iso: f64,
+        mesh: &mut TriMesh,
+        options: (&RefineOptions, &SurfaceOptions),
+        job: &Job,
+    ) -> Result<Refined, PipelineError> {
+        let (options, surface) = options;
+        if options.do_nothing() {
+            return Ok(Refined::default());
+        }
+        if surface.extract.degenerate == Degenerate::Exact {
+            let says = "a surface whose triangles may have no area: Degenerate::Exact made it";
+            return Err(RefineError::Options(says).into());
+        }
+        if surface.normals == Normals::Area {
+            mesh.normals = None;
+        }
+        let refined = for_any!(self.volume(), volume => {
+            let field = Sampled::new(self.view(volume));
+            refine(mesh, &Isosurface { field: &field, iso }, options, job)
+        })?;
+        if surface.normals == Normals::Area {
+            area_normals(mesh, job)?;
+        }
+        Ok(refined)
+    }
+}

@@ -1,0 +1,172 @@
+//! The surface in the world: which way it lies from a point, and where the volume ends.
+//!
+//! Where a surface meets the border of its volume it has a rim, and where the border is closed a cap beyond
+//! it. A cap is no isosurface: its vertices lie a little beyond the border samples, and stay. A rim stays in
+//! its plane.
+
+use isokit_field::ScalarField;
+use isokit_geom::{
+    Affine,
+    vector::{Vector, dot, sub},
+};
+use isokit_mesh::Precision;
+
+use crate::root::root;
+
+/// The surface where a field has a value.
+#[derive(Clone, Copy)]
+pub struct Isosurface<'a> {
+    /// The field, which says where it lies in the world.
+    pub field: &'a dyn ScalarField,
+    /// The value.
+    pub iso: f64,
+}
+
+/// A point of the volume, and which of its borders it is on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spot {
+    pub(crate) ijk: Vector,
+    /// Along each axis, −1 on the lower border, 1 on the upper, else 0.
+    border: [i8; 3],
+    /// Whether it is beyond a border.
+    pub(crate) is_beyond: bool,
+}
+
+impl Spot {
+    /// The axes across whose border it is.
+    pub(crate) fn held(&self) -> [bool; 3] {
+        self.border.map(|side| side != 0)
+    }
+
+    /// The axes across whose border this one and the other are, on the same side.
+    pub(crate) fn held_with(&self, other: &Self) -> [bool; 3] {
+        let same = |k: usize| self.border[k] != 0 && self.border[k] == other.border[k];
+        [same(0), same(1), same(2)]
+    }
+}
+
+/// A direction in the world, and how fast the value rises that way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ascent {
+    pub(crate) direction: Vector,
+    /// Per world unit; above 0.
+    pub(crate) steepness: f64,
+}
+
+/// An isosurface in the frame of its field.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'a> {
+    surface: Isosurface<'a>,
+    affine: Affine,
+    /// What takes a gradient in index space to the world, as columns; its transpose takes displacements back.
+    covectors: [Vector; 3],
+    /// The index of the last sample along each axis.
+    last: Vector,
+    /// How far a position may be off because it was rounded, in samples.
+    rounding: f64,
+}
+
+impl<'a> Ground<'a> {
+    /// For a mesh whose positions are kept in `precision`.
+    pub(crate) fn new(surface: Isosurface<'a>, precision: Precision) -> Self {
+        let affine = surface.field.index_to_world();
+        let last = surface.field.dims().map(|n| n.saturating_sub(1) as f64);
+        let corner = |k: usize| {
+            affine.point(std::array::from_fn(|axis| (k >> axis & 1) as f64 * last[axis]))
+        };
+        let corners = (0..8).flat_map(corner);
+        let reach = corners.fold(0.0_f64, |reach, c| reach.max(c.abs()));
+        let step = match precision {
+            Precision::F32 => f64::from((reach as f32).next_up()) - f64::from(reach as f32),
+            Precision::F64 => reach.next_up() - reach,
+        };
+        // A vertex beyond the border is there by four steps or more; one on it is off by less than one.
+        let rounding = 2.0 * step / affine.least_stretch();
+        let covectors = affine.covector_columns();
+        Self { surface, affine, covectors, last, rounding }
+    }
+
+    pub(crate) fn spot(&self, xyz: Vector) -> Spot {
+        let from = sub(xyz, self.affine.origin());
+        let ijk = self.covectors.map(|row| dot(row, from));
+        let is_beyond = |k: usize| ijk[k] < -self.rounding || ijk[k] > self.last[k] + self.rounding;
+        let border = std::array::from_fn(|k| match ijk[k] {
+            low if low <= self.rounding => -1,
+            high if high >= self.last[k] - self.rounding => 1,
+            _ => 0,
+        });
+        Spot { ijk, border, is_beyond: (0..3).any(is_beyond) }
+    }
+
+    /// Whether a point is on no side of a border that it is not held to, not even by rounding.
+    pub(crate) fn is_within(&self, xyz: Vector, held: [bool; 3]) -> bool {
+        let ijk = self.spot(xyz).ijk;
+        (0..3).all(|k| held[k] || (0.0..=self.last[k]).contains(&ijk[k]))
+    }
+
+    /// The field.
+    pub(crate) fn field(&self) -> &'a dyn ScalarField {
+        self.surface.field
+    }
+
+    /// The value of the surface.
+    pub(crate) fn iso(&self) -> f64 {
+        self.surface.iso
+    }
+
+    /// A displacement in index space.
+    pub(crate) fn displacement_ijk(&self, world: Vector) -> Vector {
+        self.covectors.map(|row| dot(row, world))
+    }
+
+    /// Which way the value rises fastest, among those along the borders that are held. None where it rises
+    /// nowhere, or nobody knows.
+    pub(crate) fn ascent(&self, gradient: Vector, held: [bool; 3]) -> Option<Ascent> {
+        /// Below this part of what it was, what is left of a gradient is rounding.
+        const NOISE: f64 = 1e-12;
+        let greatest = gradient.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+        if !(greatest > 0.0 && gradient.iter().all(|part| part.is_finite())) {
+            return None;
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| self.covectors[k].map(|c| c * (gradient[k] / greatest)));
+        let whole: Vector = std::array::from_fn(|k| x[k] + y[k] + z[k]);
+        let (mut rest, mut walls) = (whole, vec![]);
+        for axis in (0..3).filter(|&axis| held[axis]) {
+            let mut wall = self.covectors[axis];
+            walls.iter().for_each(|&other| wall = without(wall, other));
+            let length = dot(wall, wall).sqrt();
+            let wall = wall.map(|c| c / length);
+            rest = without(rest, wall);
+            walls.push(wall);
+        }
+        let length = dot(rest, rest).sqrt();
+        let is_direction = length > NOISE * dot(whole, whole).sqrt() && length.is_finite();
+        let direction = rest.map(|c| c / length);
+        is_direction.then_some(Ascent { direction, steepness: length * greatest })
+    }
+
+    /// The point of the surface along its gradient from `start`, not farther than `reach` in the world and
+    /// half a cell in index space, and along the borders that are held.
+    pub(crate) fn projected(&self, start: Vector, held: [bool; 3], reach: f64) -> Option<Vector> {
+        let spot = self.spot(start);
+        if spot.is_beyond {
+            return None;
+        }
+        let field = self.surface.field;
+        let ascent = self.ascent(field.slope(spot.ijk).gradient, held)?;
+        let along = self.displacement_ijk(ascent.direction);
+        let most = along.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+        let value = |t: f64| {
+            field.value(std::array::from_fn(|k| spot.ijk[k] + t * along[k])) - self.surface.iso
+        };
+        let t = root(value, ascent.steepness, reach.min(0.5 / most))?;
+        let end: Vector = std::array::from_fn(|k| start[k] + t * ascent.direction[k]);
+        self.is_within(end, held).then_some(end)
+    }
+}
+
+/// The part of `v` across the unit vector `wall`.
+fn without(v: Vector, wall: Vector) -> Vector {
+    let along = dot(v, wall);
+    std::array::from_fn(|k| v[k] - along * wall[k])
+}

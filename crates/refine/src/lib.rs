@@ -1,0 +1,34 @@
+//! Brings a surface nearer to the field that it was extracted from.
+//!
+//! Vertices of marching cubes lie on the surface of a field, and the triangles between them inside it where
+//! it bulges: a chord of length L leaves a surface of radius R by L²/8R. That error, O(h²), remains however
+//! well vertices are placed. Two ways lead out, and both may be gone:
+//!
+//! - [`Subdivision`] puts new vertices on edges, and those on the field: every level divides the error by
+//!   four and multiplies the triangles by as much, or an error is named and only what curves is divided.
+//! - *Balance* moves each vertex along its normal, outwards where the surface bulges, so that triangles
+//!   cut through the surface in place of staying within. No triangle is added; the volume inside is right
+//!   to a higher order, and the error of the surface is the least that these triangles can have.
+//!
+//! Neither changes what is connected: closed stays closed, manifold stays manifold. A triangle that would
+//! become flat or turn over, in the precision in which positions are kept, is not made: its vertices stay
+//! where they were, and are counted.
+//!
+//! The result is the same, byte for byte, for any number of threads.
+
+mod balance;
+mod build;
+mod edges;
+mod error;
+mod ground;
+mod options;
+mod refine;
+mod root;
+mod sagitta;
+mod settle;
+mod split;
+
+pub use error::RefineError;
+pub use ground::Isosurface;
+pub use options::{RefineOptions, Subdivision};
+pub use refine::{Refined, refine};

@@ -1,0 +1,57 @@
+//! What a caller may choose.
+
+/// Where new vertices go.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Subdivision {
+    /// Nowhere.
+    #[default]
+    None,
+    /// On every edge, so many times over: each triangle becomes four, and these four each, …; 1 to
+    /// [`MOST`](Self::MOST).
+    Levels(u32),
+    /// On edges along which the field curves, until no triangle leaves its surface by more than this, in world
+    /// units; above 0.
+    MaxError(f64),
+}
+
+impl Subdivision {
+    /// More levels than this are taken for a mistake: each triangle becomes 4096.
+    pub const MOST: u32 = 6;
+}
+
+/// How a surface is brought nearer to its field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RefineOptions {
+    /// Where new vertices go. Default: [`Subdivision::None`].
+    pub subdivision: Subdivision,
+    /// Whether vertices, old and new, are moved along their normals in the end, so that triangles lie as much
+    /// outside of the field's surface as inside. Default: no.
+    pub balance: bool,
+}
+
+impl RefineOptions {
+    /// The defaults named above: nothing is done.
+    pub const DEFAULT: Self = Self { subdivision: Subdivision::None, balance: false };
+
+    /// The same options with another `subdivision`.
+    pub const fn with_subdivision(self, subdivision: Subdivision) -> Self {
+        Self { subdivision, ..self }
+    }
+
+    /// The same options, balanced in the end or not.
+    pub const fn with_balance(self, balance: bool) -> Self {
+        Self { balance, ..self }
+    }
+
+    /// Whether they leave every surface as it is.
+    pub fn do_nothing(&self) -> bool {
+        *self == Self::DEFAULT
+    }
+}
+
+impl Default for RefineOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}

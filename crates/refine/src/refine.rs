@@ -1,0 +1,164 @@
+//! The entry: a mesh, the surface that it stands for, and what is wanted.
+
+use crate::{
+    Isosurface, RefineError, RefineOptions, Subdivision,
+    balance::balance,
+    build::build,
+    edges::Edges,
+    ground::Ground,
+    sagitta::Sagitta,
+    split::{HALVED, Split, WHOLE, middle},
+};
+use isokit_job::{Job, in_chunks};
+use isokit_mesh::{Stars, TriMesh};
+
+/// What became of a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Refined {
+    /// How often edges were divided.
+    pub rounds: u32,
+    /// Vertices that are new.
+    pub new_vertices: u64,
+    /// New vertices that stayed in the middle of their edges, because the field has no surface near it along
+    /// its gradient, or because a triangle would have become flat or turned over. Those on caps along a
+    /// closed border, which is no surface of the field, are not among them.
+    pub unprojected: u64,
+    /// Edges that were to be divided and are not, each time counted, because a triangle would have become
+    /// flat even so.
+    pub undivided: u64,
+    /// With [`Subdivision::MaxError`], the greatest distance in world units by which a triangle may leave
+    /// the surface, as far as the Hessian of the field tells at corners and middles of sides, over all
+    /// triangles but the `unbounded`.
+    pub bound: Option<f64>,
+    /// With [`Subdivision::MaxError`], triangles of which that was not reached or is not known: in noise, next
+    /// to samples without a value, and where positions are too coarse.
+    pub unbounded: u64,
+    /// Vertices that balance moved along their normals.
+    pub balanced: u64,
+    /// Vertices that it did not, because the field has no normal there or a triangle would have become
+    /// flat or turned over; those of caps are not among them.
+    pub unbalanced: u64,
+}
+
+/// Brings a mesh nearer to the surface that it stands for. Its vertices should be on it, as
+/// `Placement::Cubic` puts them; where they are not, they stay, and their neighbours are better than they.
+///
+/// New vertices get the normals of the field, if the mesh has normals. A mesh without triangles is left
+/// alone.
+///
+/// Beside the mesh, and the new one, some 100 bytes per triangle are in use meanwhile.
+///
+/// # Errors
+///
+/// If the options mean nothing, the mesh has triangles that name a vertex twice or one that is not there, the
+/// new mesh has 2³² vertices or triangles or more, or the job is cancelled or allows less memory. The mesh
+/// is then as the last whole step left it.
+pub fn refine(
+    mesh: &mut TriMesh,
+    surface: &Isosurface<'_>,
+    options: &RefineOptions,
+    job: &Job,
+) -> Result<Refined, RefineError> {
+    check(mesh, surface, options, job)?;
+    let ground = Ground::new(*surface, mesh.positions.precision());
+    let mut refined = Refined::default();
+    if mesh.triangles.is_empty() {
+        return Ok(refined);
+    }
+    match options.subdivision {
+        Subdivision::None => {}
+        Subdivision::Levels(levels) => {
+            for _ in 0..levels {
+                let stars = Stars::new(mesh.positions.len(), &mesh.triangles, &job.unwatched())?;
+                let edges = Edges::new(mesh, &stars, job)?;
+                drop(stars);
+                refined.divide(mesh, &edges, &ground, |_| true, job)?;
+            }
+        }
+        Subdivision::MaxError(error) => {
+            for round in 0.. {
+                let stars = Stars::new(mesh.positions.len(), &mesh.triangles, &job.unwatched())?;
+                let edges = Edges::new(mesh, &stars, job)?;
+                drop(stars);
+                let sagitta = Sagitta::of((&*mesh, &edges), &ground, error, job)?;
+                let chosen = |edge: usize| sagitta.is_too_long(edge);
+                let is_last = round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen);
+                if is_last || !refined.divide(mesh, &edges, &ground, chosen, job)? {
+                    (refined.bound, refined.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
+                    break;
+                }
+            }
+        }
+    }
+    if options.balance {
+        (refined.balanced, refined.unbalanced) = balance(mesh, &ground, job)?;
+    }
+    Ok(refined)
+}
+
+fn check(
+    mesh: &TriMesh,
+    surface: &Isosurface<'_>,
+    options: &RefineOptions,
+    job: &Job,
+) -> Result<(), RefineError> {
+    if !surface.iso.is_finite() {
+        return Err(RefineError::Options("the surface of a value that is no finite number"));
+    }
+    match options.subdivision {
+        Subdivision::Levels(levels) if !(1..=Subdivision::MOST).contains(&levels) => {
+            return Err(RefineError::Options("so many times: 1 to 6 are possible"));
+        }
+        Subdivision::MaxError(error) if !(error > 0.0 && error.is_finite()) => {
+            return Err(RefineError::Options("to an error that is not above 0"));
+        }
+        _ => {}
+    }
+    let vertices = mesh.positions.len();
+    if mesh.normals.as_ref().is_some_and(|normals| normals.len() != vertices) {
+        return Err(RefineError::Options("a mesh that has not one normal for each vertex"));
+    }
+    let is_sound =
+        |[a, b, c]: [u32; 3]| a != b && b != c && c != a && (a.max(b).max(c) as usize) < vertices;
+    let unsound = in_chunks(mesh.triangles.len(), &job.unwatched(), |mut range| {
+        range.find(|&t| !is_sound(mesh.triangles[t]))
+    })?;
+    let first = unsound.into_iter().flatten().next();
+    first.map_or(Ok(()), |triangle| Err(RefineError::Unsound { triangle }))
+}
+
+impl Refined {
+    /// Divides the chosen edges; whether any was.
+    fn divide(
+        &mut self,
+        mesh: &mut TriMesh,
+        edges: &Edges,
+        ground: &Ground<'_>,
+        chosen: impl Fn(usize) -> bool + Sync,
+        job: &Job,
+    ) -> Result<bool, RefineError> {
+        let split = Split::new((&*mesh, edges), ground, &chosen, job)?;
+        let states = &split.states;
+        let (mut new, mut unprojected, mut undivided) = (0, 0, 0);
+        for (edge, &state) in states.iter().enumerate() {
+            new += u64::from(state != WHOLE);
+            undivided += u64::from(state == WHOLE && chosen(edge));
+            if state == HALVED {
+                let is_cap = ground.spot(middle(mesh, edges.ends[edge])).is_beyond;
+                unprojected += u64::from(!is_cap);
+            }
+        }
+        self.undivided += undivided;
+        if new == 0 {
+            return Ok(false);
+        }
+        let built = build((&*mesh, edges), &split, ground, job)?;
+        drop(split);
+        *mesh = built;
+        self.rounds += 1;
+        self.new_vertices += new;
+        self.unprojected += unprojected;
+        Ok(true)
+    }
+}

@@ -1,0 +1,155 @@
+//! Which edges get a new vertex, where it lies, and what becomes of the triangles.
+//!
+//! A new vertex belongs to its edge, so the triangles on both sides have it, and no crack opens. A triangle
+//! is cut by as many of its sides as were chosen: into four, three or two, or it stays. So the mesh is
+//! conforming whichever edges are chosen, and any of them may be given up again.
+
+use crate::{RefineError, edges::Edges, ground::Ground, settle::settle};
+use isokit_geom::vector::{Vector, dot, normal, sub};
+use isokit_job::{Job, in_chunks};
+use isokit_mesh::{Precision, TriMesh, is_degenerate};
+
+/// What becomes of an edge: it stays whole.
+pub(crate) const WHOLE: u8 = 0;
+/// It is cut in its middle.
+pub(crate) const HALVED: u8 = 1;
+/// It is cut, and the new vertex lies on the surface.
+pub(crate) const MOVED: u8 = 2;
+
+/// A corner of a new triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Corner {
+    Vertex(u32),
+    /// The new vertex of this edge.
+    Edge(u32),
+}
+
+/// Edges of a mesh that are to be cut.
+pub(crate) struct Split<'a> {
+    mesh: &'a TriMesh,
+    edges: &'a Edges,
+    /// What becomes of each edge.
+    pub(crate) states: Vec<u8>,
+    /// Where the surface is, for each edge that is to be cut there.
+    moved: Vec<Vector>,
+}
+
+impl<'a> Split<'a> {
+    /// Cuts the edges that are `chosen`, as far as no triangle becomes flat or turns over.
+    pub(crate) fn new(
+        (mesh, edges): (&'a TriMesh, &'a Edges),
+        ground: &Ground<'_>,
+        chosen: impl Fn(usize) -> bool + Sync,
+        job: &Job,
+    ) -> Result<Self, RefineError> {
+        const WHAT: &str = "the new vertices of the surface";
+        let count = edges.len() as u64;
+        job.limits.probe(WHAT, Some(count), 2 * size_of::<(u8, Vector)>())?;
+        job.progress.begin("refine", count);
+        let chunks = in_chunks(edges.len(), job, |range| {
+            let place = |edge: usize| match chosen(edge) {
+                false => (WHOLE, [0.0; 3]),
+                true => on_surface(mesh, edges.ends[edge], ground)
+                    .map_or((HALVED, [0.0; 3]), |place| (MOVED, place)),
+            };
+            range.map(place).unzip::<_, _, Vec<_>, Vec<_>>()
+        })?;
+        let (states, moved): (Vec<_>, Vec<_>) = chunks.into_iter().unzip();
+        let (mut states, moved) = (states.concat(), moved.concat());
+        let split = Self { mesh, edges, states: vec![], moved };
+        settle(&mut states, &edges.sides, |t, states| split.spoils(t, states), job)?;
+        Ok(Self { states, ..split })
+    }
+
+    /// The triangles that triangle `t` becomes, in order, and how many.
+    pub(crate) fn children(&self, t: usize, states: &[u8]) -> ([[Corner; 3]; 4], usize) {
+        let (corner, sides) = (self.mesh.triangles[t], self.edges.sides[t]);
+        let v = |k: usize| Corner::Vertex(corner[k % 3]);
+        let m = |k: usize| Corner::Edge(sides[k % 3]);
+        let is_cut = sides.map(|side| states[side as usize] != WHOLE);
+        let whole = [v(0), v(1), v(2)];
+        match is_cut.iter().filter(|&&is_cut| is_cut).count() {
+            0 => ([whole; 4], 1),
+            1 => {
+                let k = is_cut.iter().position(|&is_cut| is_cut).unwrap_or(0);
+                let halves = [[v(k), m(k), v(k + 2)], [m(k), v(k + 1), v(k + 2)]];
+                ([halves[0], halves[1], whole, whole], 2)
+            }
+            2 => {
+                // The corner opposite the whole side is cut off; the rest has four corners.
+                let k = is_cut.iter().position(|&is_cut| !is_cut).unwrap_or(0);
+                let (a, b, p) = (v(k), v(k + 1), v(k + 2));
+                let (to_a, to_b) = (m(k + 2), m(k + 1));
+                let length = |from: Corner, to: Corner| {
+                    let along = sub(self.place(from, states), self.place(to, states));
+                    dot(along, along)
+                };
+                let rest = match length(a, to_b) < length(to_a, b) {
+                    true => [[to_a, a, to_b], [a, b, to_b]],
+                    false => [[to_a, a, b], [to_a, b, to_b]],
+                };
+                ([[p, to_a, to_b], rest[0], rest[1], whole], 3)
+            }
+            _ => {
+                let around = |k: usize| [v(k), m(k), m(k + 2)];
+                ([around(0), around(1), around(2), [m(0), m(1), m(2)]], 4)
+            }
+        }
+    }
+
+    /// Where a corner lies, as its position is kept.
+    pub(crate) fn place(&self, corner: Corner, states: &[u8]) -> Vector {
+        match corner {
+            Corner::Vertex(vertex) => self.mesh.positions.get(vertex as usize),
+            Corner::Edge(edge) if states[edge as usize] == MOVED => self.moved[edge as usize],
+            Corner::Edge(edge) => {
+                rounded(middle(self.mesh, self.edges.ends[edge as usize]), self.mesh)
+            }
+        }
+    }
+
+    /// Whether a triangle that comes of triangle `t` is flat, or looks away from where that looks.
+    fn spoils(&self, t: usize, states: &[u8]) -> bool {
+        let before = normal(self.mesh.corners(self.mesh.triangles[t]));
+        let (children, count) = self.children(t, states);
+        count > 1
+            && children[..count].iter().any(|child| {
+                let corners = child.map(|corner| self.place(corner, states));
+                is_spoiled(corners, before)
+            })
+    }
+}
+
+/// Whether a triangle is flat, or does not look where `before` does.
+pub(crate) fn is_spoiled(corners: [Vector; 3], before: Vector) -> bool {
+    // False for what is not finite too.
+    let looks_alike = dot(normal(corners), before) > 0.0;
+    !looks_alike || is_degenerate(corners)
+}
+
+/// The middle of an edge.
+pub(crate) fn middle(mesh: &TriMesh, [a, b]: [u32; 2]) -> Vector {
+    let (a, b) = (mesh.positions.get(a as usize), mesh.positions.get(b as usize));
+    std::array::from_fn(|k| a[k].midpoint(b[k]))
+}
+
+/// The place as a mesh keeps it.
+pub(crate) fn rounded(place: Vector, mesh: &TriMesh) -> Vector {
+    match mesh.positions.precision() {
+        Precision::F32 => place.map(|c| f64::from(c as f32)),
+        Precision::F64 => place,
+    }
+}
+
+/// Where the surface is from the middle of an edge, no farther than half of its length.
+fn on_surface(mesh: &TriMesh, ends: [u32; 2], ground: &Ground<'_>) -> Option<Vector> {
+    let [a, b] = ends.map(|vertex| mesh.positions.get(vertex as usize));
+    let [from, to] = [a, b].map(|place| ground.spot(place));
+    let along = sub(b, a);
+    let reach = 0.5 * dot(along, along).sqrt();
+    if from.is_beyond || to.is_beyond {
+        return None;
+    }
+    let place = ground.projected(middle(mesh, ends), from.held_with(&to), reach)?;
+    Some(rounded(place, mesh))
+}
