@@ -14,7 +14,7 @@ use crate::{
     trilinear::{SpecialCells, Values},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Word, count_rows, count_words, open_words_of_rows, words_of_rows};
+use isokit_lanes::{Word, count_rows, count_words, exactly, open_words_of_rows, words_of_rows};
 use isokit_mesh::Counts;
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -85,8 +85,8 @@ impl Layout {
                 }
                 let special = match values {
                     Some(values) => {
-                        let slice = (z, &mut *slice);
-                        count_with_special((planes, values), live.as_ref(), slice, &mut scratch)
+                        let (planes, slice) = ((planes, values), (z, &mut *slice));
+                        exactly(|| count_with_special(planes, live.as_ref(), slice, &mut scratch))
                     }
                     None => {
                         count_slice(planes, live.as_ref(), z, slice, &mut scratch);

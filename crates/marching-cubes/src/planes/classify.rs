@@ -3,7 +3,7 @@
 use super::{Lattice, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, Stopped};
-use isokit_lanes::{Threshold, Thresholds, has_nan, nans, signs_of_many, words};
+use isokit_lanes::{Threshold, Thresholds, exactly, has_nan, nans, signs_of_many, words};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -164,7 +164,7 @@ pub(super) fn slice_by_slice<F: Send>(
             let slices = planes.iter_mut().map(|plane| &mut plane[at..at + words]);
             fill(k, &mut slices.collect::<Vec<_>>())
         };
-        let found = own.filter(|&k| !is_blank(k)).map(fill_one).collect();
+        let found = exactly(|| own.filter(|&k| !is_blank(k)).map(fill_one).collect());
         Ok((planes, found))
     });
     let groups: Vec<(Vec<Vec<u64>>, Vec<F>)> = groups.collect::<Result<_, Cancelled>>()?;
