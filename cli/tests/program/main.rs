@@ -4,6 +4,7 @@ mod check;
 mod convert;
 mod extract;
 mod failures;
+mod far;
 mod index;
 mod info;
 mod kit;

@@ -10,6 +10,7 @@ use crate::{
     vertex::Placer,
 };
 use isokit_job::Job;
+use isokit_lanes::exactly;
 use isokit_mesh::{Counts, MeshSink, Precision, TriMesh};
 use isokit_volume::{Grid, Sample, View};
 use std::slice;
@@ -103,8 +104,8 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     assert_eq!(isos.len(), sinks.len(), "one sink per isovalue");
     let source: Source<'_, T> = samples.into();
     let view = &source.view;
-    let (precision, margin) = precision(&view.grid(), options)?;
-    job.threads.run(|| {
+    let (precision, margin) = exactly(|| precision(&view.grid(), options))?;
+    on_threads(job, || {
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
         let extract = |((mut planes, &iso), sink): ((Planes, &f64), &mut S)| {
@@ -140,7 +141,7 @@ pub fn count_many<'a, T: Sample>(
     job: &Job,
 ) -> Result<Vec<Counts>, ExtractError> {
     let source: Source<'_, T> = samples.into();
-    job.threads.run(|| {
+    on_threads(job, || {
         if source.bricks.is_none()
             && options.topology == Topology::Table
             && let Some(counts) = tallied(&source.view, isos, options, job)?
@@ -155,6 +156,11 @@ pub fn count_many<'a, T: Sample>(
         };
         planes.into_iter().zip(isos).map(count).collect()
     })
+}
+
+/// Runs `work` on the threads of a job, which may be set otherwise than the caller's.
+pub(crate) fn on_threads<R: Send>(job: &Job, work: impl FnOnce() -> R + Send) -> R {
+    job.threads.run(|| exactly(work))
 }
 
 /// The counts by the short way, where no sample is NaN or that does not matter.

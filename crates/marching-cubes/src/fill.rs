@@ -10,7 +10,7 @@ use crate::{
 use isokit_geom::Frame;
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
-    BLOCK, Coordinate, Edges, FirstVertices, Word, prefer_large_pages, provide, triangles,
+    BLOCK, Coordinate, Edges, FirstVertices, Word, exactly, prefer_large_pages, provide, triangles,
 };
 use isokit_mesh::{Piece, PositionsMut};
 use isokit_volume::Sample;
@@ -117,10 +117,12 @@ impl<T: Sample> Fill<'_, T> {
             if let Some(normals) = &mut room.normals {
                 provide(normals);
             }
-            for z in slices {
-                self.slice(z, &mut room, &mut triangles, &mut scratch);
-                job.progress.advance(1);
-            }
+            exactly(|| {
+                for z in slices {
+                    self.slice(z, &mut room, &mut triangles, &mut scratch);
+                    job.progress.advance(1);
+                }
+            });
             Ok(())
         })
     }

@@ -14,7 +14,7 @@ use crate::{
     trilinear::{SpecialCells, Values},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Word, count_rows, count_words, open_words_of_rows, words_of_rows};
+use isokit_lanes::{Word, count_rows, count_words, exactly, open_words_of_rows, words_of_rows};
 use isokit_mesh::Counts;
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -90,7 +90,7 @@ impl Layout {
                     return (Counts::default(), special);
                 }
                 if let Some(values) = values {
-                    special = counting.special(values, z, slice, &mut scratch);
+                    special = exactly(|| counting.special(values, z, slice, &mut scratch));
                 }
                 job.progress.advance(1);
                 (counts_of(slice, &special), special)

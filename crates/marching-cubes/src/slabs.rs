@@ -17,7 +17,7 @@ pub use budget::Budget;
 
 use crate::{
     ExtractError, ExtractOptions, Extracted, Nan, Skipped, SlabError, Source, Topology,
-    extract::precision,
+    extract::{on_threads, precision},
     fill::{Fill, Winding},
     layout::{Layout, Part},
     planes::{Lattice, Planes},
@@ -25,6 +25,7 @@ use crate::{
     vertex::Placer,
 };
 use isokit_job::{Job, OverLimit};
+use isokit_lanes::exactly;
 use isokit_mesh::{Counts, MeshSink, MeshSinks, Precision};
 use isokit_volume::{Grid, Sample, SlabSource, View};
 use std::ops::Range;
@@ -58,7 +59,8 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
     let grid = *source.grid();
     check(&grid, slabs)?;
     let mut surfaces: Vec<Surface> = slabs.isos.iter().map(|&iso| Surface::new(iso)).collect();
-    let making = Making { slabs, precision: precision(&grid, slabs.options)?, job };
+    let precision = exactly(|| precision(&grid, slabs.options))?;
+    let making = Making { slabs, precision, job };
     let mut window = Window::new(&*source, slabs, job).map_err(ExtractError::from)?;
     job.progress.begin("extract", (3 * surfaces.len() as u64).saturating_mul(grid.dims()[2]));
     while !window.is_last() {
@@ -70,10 +72,10 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
             continue; // only to count them
         }
         let view = window.view();
-        let mut planes = job.threads.run(|| making.planes(&view))?;
+        let mut planes = on_threads(job, || making.planes(&view))?;
         for (n, (surface, planes)) in surfaces.iter_mut().zip(&mut planes).enumerate() {
             let mut sink = sinks.sink(n);
-            job.threads.run(|| making.part(&window, planes, surface, &mut sink))?;
+            on_threads(job, || making.part(&window, planes, surface, &mut sink))?;
         }
     }
     if let Some(first) = window.nan.first {

@@ -3,7 +3,7 @@
 
 use crate::planes::{Lattice, behind_guard};
 use isokit_job::{Job, Stopped};
-use isokit_lanes::{Threshold, Thresholds, Totals, has_nan, signs_of_many, totals, words};
+use isokit_lanes::{Threshold, Thresholds, Totals, exactly, has_nan, signs_of_many, totals, words};
 use isokit_mesh::Counts;
 use isokit_volume::{Sample, View};
 use rayon::prelude::*;
@@ -82,7 +82,7 @@ impl<'a, T: Sample> Tally<'a, T> {
         let tasks = slices.div_ceil(per_task);
         let count = |task| {
             let first = task * per_task;
-            self.some(first..slices.min(first + per_task), job)
+            exactly(|| self.some(first..slices.min(first + per_task), job))
         };
         let counted: Vec<Found> =
             (0..tasks).into_par_iter().map(count).collect::<Result<_, _>>()?;

@@ -2,6 +2,7 @@
 
 use crate::{Sample, Scaling, Statistics, View};
 use isokit_job::{Cancelled, Job};
+use isokit_lanes::exactly;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -36,10 +37,12 @@ impl Histogram {
         statistics: &Statistics,
         job: &Job,
     ) -> Result<Option<Self>, Cancelled> {
-        let Some(range) = finite_range(view, statistics) else { return Ok(None) };
-        let mut histogram = Self::empty::<T>(range, view.scaling());
-        histogram.count(view, job)?;
-        Ok(Some(histogram))
+        exactly(|| {
+            let Some(range) = finite_range(view, statistics) else { return Ok(None) };
+            let mut histogram = Self::empty::<T>(range, view.scaling());
+            histogram.count(view, job)?;
+            Ok(Some(histogram))
+        })
     }
 
     /// The bins for finite values in a range.
@@ -87,7 +90,8 @@ impl Histogram {
         let per_part = nz.div_ceil(job.threads.count());
         let parts = job.threads.run(|| {
             let firsts = (0..nz).into_par_iter().step_by(per_part);
-            let parts = firsts.map(|first| of_slices(first..nz.min(first + per_part)));
+            let part = |first: usize| exactly(|| of_slices(first..nz.min(first + per_part)));
+            let parts = firsts.map(part);
             parts.collect::<Result<Vec<Vec<u64>>, Cancelled>>()
         })?;
         for part in parts {

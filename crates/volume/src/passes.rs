@@ -4,6 +4,7 @@ use crate::{
     Grid, Histogram, Sample, Scaling, SlabSource, Statistics, View, histogram::finite_range,
 };
 use isokit_job::{Cancelled, Job};
+use isokit_lanes::exactly;
 
 /// A source whose samples are looked at on their way to whoever asked for them.
 #[derive(Debug)]
@@ -80,18 +81,20 @@ impl Histogram {
         if statistics.infinite > 0 {
             range = None;
             each_piece(&mut source()?, job, |view: View<'_, T>| {
-                let more = finite_range(&view, statistics);
-                range = match (range, more) {
-                    (Some([a, b]), Some([c, d])) => Some([c.min(a), d.max(b)]),
-                    (a, b) => a.or(b),
-                };
+                exactly(|| {
+                    let more = finite_range(&view, statistics);
+                    range = match (range, more) {
+                        (Some([a, b]), Some([c, d])) => Some([c.min(a), d.max(b)]),
+                        (a, b) => a.or(b),
+                    };
+                });
                 Ok(())
             })?;
         }
         let Some(range) = range else { return Ok(None) };
         let mut source = source()?;
-        let mut histogram = Self::empty::<T>(range, source.scaling());
-        each_piece(&mut source, job, |view| histogram.count(&view, job))?;
+        let mut histogram = exactly(|| Self::empty::<T>(range, source.scaling()));
+        each_piece(&mut source, job, |view| exactly(|| histogram.count(&view, job)))?;
         Ok(Some(histogram))
     }
 }

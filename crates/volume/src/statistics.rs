@@ -2,6 +2,7 @@
 
 use crate::{Sample, View};
 use isokit_job::{Cancelled, Job};
+use isokit_lanes::exactly;
 use rayon::prelude::*;
 
 /// What one pass over the samples finds.
@@ -41,19 +42,23 @@ impl Statistics {
             (first..slices.min(first + per_part)).try_fold(Part::EMPTY, |part, k| {
                 job.check()?;
                 job.progress.advance(1);
-                Ok(part.with(Part::of_slice(view, k)))
+                Ok(exactly(|| part.with(Part::of_slice(view, k))))
             })
         };
         let parts = job.threads.run(|| {
             let parts = (0..slices).into_par_iter().step_by(per_part).map(of_part);
             parts.collect::<Result<Vec<_>, Cancelled>>()
         })?;
+        Ok(exactly(|| Self::from_parts(parts, view)))
+    }
+
+    fn from_parts<T: Sample>(parts: Vec<Part<T>>, view: &View<'_, T>) -> Self {
         let whole = parts.into_iter().fold(Part::EMPTY, Part::with);
         let value = |stored: Option<T>| stored.map(|s| view.scaling().value(s.to_f64()));
         let ends = value(whole.least).zip(value(whole.greatest));
         let range = ends.map(|(a, b)| if a <= b { [a, b] } else { [b, a] });
         let Part { nan, first_nan, infinite, .. } = whole;
-        Ok(Self { range, nan, first_nan, infinite })
+        Self { range, nan, first_nan, infinite }
     }
 }
 
@@ -63,12 +68,12 @@ impl Statistics {
 
     /// What holds of these slices and those that follow them, `slices` of which came before.
     pub(crate) fn then(self, later: Self, slices: usize) -> Self {
-        let range = match (self.range, later.range) {
+        let range = exactly(|| match (self.range, later.range) {
             (Some([a, b]), Some([c, d])) => {
                 Some([if c < a { c } else { a }, if d > b { d } else { b }])
             }
             (a, b) => a.or(b),
-        };
+        });
         let first_nan = later.first_nan.map(|[i, j, k]| [i, j, k + slices]);
         Self {
             range,

@@ -4,7 +4,8 @@ use super::{Counted, Lattice, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{
-    BitRows, RowCounts, Threshold, Thresholds, count_rows, has_nan, nans, signs_of_many, words,
+    BitRows, RowCounts, Threshold, Thresholds, count_rows, exactly, has_nan, nans, signs_of_many,
+    words,
 };
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
@@ -190,7 +191,7 @@ pub(super) fn slice_by_slice<F: Send>(
                 let slices = planes.iter_mut().map(|plane| &mut plane[at..at + words]);
                 fill(k, &mut slices.collect::<Vec<_>>())
             };
-            found.extend(own.clone().filter(|&k| !is_blank(k)).map(fill_one));
+            exactly(|| found.extend(own.clone().filter(|&k| !is_blank(k)).map(fill_one)));
             groups.push(planes);
             if !rows.is_empty() {
                 let slice = |n: usize| &groups[n / together][0][n % together * words..][..words];

@@ -6,7 +6,7 @@
 use super::{BrickGrid, Bricks};
 use crate::{Sample, View};
 use isokit_job::{Cancelled, Job, Stopped};
-use isokit_lanes::{Columns, Extent, add_row, words};
+use isokit_lanes::{Columns, Extent, add_row, exactly, words};
 use rayon::prelude::*;
 
 impl<T: Sample> Bricks<T> {
@@ -26,17 +26,19 @@ impl<T: Sample> Bricks<T> {
             let slices = (0..nz).into_par_iter().map(|k| {
                 job.check()?;
                 job.progress.advance(1);
-                Ok(of_slice(view, &grid, k))
+                Ok(exactly(|| of_slice(view, &grid, k)))
             });
             slices.collect::<Result<Vec<_>, Cancelled>>()
         })?;
         let mut extents = Vec::with_capacity(grid.counts.iter().product());
-        for brick in 0..grid.counts[2] {
-            for column in 0..per_slice as usize {
-                let of = slices[grid.samples(2, brick)].iter().map(|slice| slice[column]);
-                extents.push(of.fold(Extent::EMPTY, Extent::with));
+        exactly(|| {
+            for brick in 0..grid.counts[2] {
+                for column in 0..per_slice as usize {
+                    let of = slices[grid.samples(2, brick)].iter().map(|slice| slice[column]);
+                    extents.push(of.fold(Extent::EMPTY, Extent::with));
+                }
             }
-        }
+        });
         Ok(Self { grid, extents })
     }
 }

@@ -1,0 +1,134 @@
+"""The modes of the program that the stress list asks for, and how few runs pair them all.
+
+A surface is said by three options. The other choices must not change a byte of it, so a mesh is
+compared with that of its plain mode and only the plain one is looked at. Standard library only.
+"""
+
+import os
+import platform
+import subprocess
+import tempfile
+from dataclasses import asdict, dataclass, replace
+from itertools import combinations, product
+from pathlib import Path
+
+from kit.program import Isokit
+
+FLUSH = """\
+#include <xmmintrin.h>
+__attribute__((constructor)) static void flush(void) { _mm_setcsr(_mm_getcsr() | 0x8040); }
+"""
+"""A library that has denormal numbers taken for 0 (DAZ, FTZ) in the process that loads it.
+
+This is what code compiled with `-ffast-math` does to whoever loads it.
+"""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """What is asked of the program."""
+
+    topology: str = "table"
+    placement: str = "linear"
+    boundary: str = "closed"
+    threads: str = "1"
+    simd: str = "portable"
+    memory: str = "whole"
+    floats: str = "usual"
+
+    @property
+    def plain(self) -> "Mode":
+        """The mode that must give the same bytes."""
+        return Mode(self.topology, self.placement, self.boundary)
+
+    def __str__(self) -> str:
+        """As a message names it."""
+        return ", ".join(asdict(self).values())
+
+    def options(self) -> list[str]:
+        """For the command line."""
+        fixed = ["--degenerate", "never", "--nan", "outside", "--quiet"]
+        sliced = ["--max-memory", "512MiB"] if self.memory == "sliced" else []
+        named = ("topology", "placement", "boundary", "threads")
+        return fixed + sliced + [part for n in named for part in (f"--{n}", getattr(self, n))]
+
+
+LISTED = replace(Mode(), threads="2", simd="")
+"""The mode for volumes of the listed size: the program's own choices."""
+
+
+class Modes:
+    """The program and what its machine has."""
+
+    def __init__(self, isokit: Isokit, scratch: Path) -> None:
+        """Tries the instructions, and builds the library that flushes."""
+        self.isokit, self.library = isokit, None
+        levels = [name for name in ("portable", "avx2", "avx512") if self._has(name)]
+        if platform.system() == "Linux" and platform.machine() == "x86_64":
+            self.library = build(scratch)
+        self.choices = {
+            "topology": ["table", "trilinear"],
+            "placement": ["linear", "cubic", "quintic"],
+            "boundary": ["closed", "open"],
+            "threads": ["1", "2"],
+            "simd": levels,
+            "memory": ["whole", "sliced"],
+            "floats": ["usual", "flushed"] if self.library else ["usual"],
+        }
+        self.pairs = [Mode(**row) for row in pairwise(self.choices)]
+
+    def program(self, mode: Mode) -> Isokit:
+        """The program in the environment of a mode."""
+        environment = {"ISOKIT_SIMD": mode.simd}
+        if mode.floats == "flushed":
+            environment["LD_PRELOAD"] = str(self.library)
+        return Isokit(self.isokit.path, environment)
+
+    def described(self) -> str:
+        """For people: each choice and its answers."""
+        return "; ".join(f"{name} {' | '.join(found)}" for name, found in self.choices.items())
+
+    def _has(self, level: str) -> bool:
+        """Whether the machine has these instructions, by the program's report."""
+        volume = "fixtures/volumes/ties.npy"
+        project = Path(__file__).resolve().parents[2]
+        with tempfile.TemporaryDirectory() as folder:
+            program = Isokit(self.isokit.path, {"ISOKIT_SIMD": level})
+            report = program.extract(project / volume, Path(folder, "a.ply"), "--iso=0")
+        return report["simd"] == level
+
+
+def build(scratch: Path) -> Path:
+    """Compiles the library that flushes, with the compiler that Rust links with."""
+    source, library = scratch / "flush.c", scratch / "flush.so"
+    source.write_text(FLUSH)
+    subprocess.run(
+        [os.environ.get("CC", "cc"), "-shared", "-fPIC", "-o", library, source], check=True
+    )
+    return library
+
+
+def pairwise(choices: dict[str, list[str]]) -> list[dict[str, str]]:
+    """Rows in which every two answers to two questions meet. Greedy, so a few more than needed."""
+    names = list(choices)
+    left = {
+        frozenset({(a, one), (b, other)})
+        for a, b in combinations(names, 2)
+        for one, other in product(choices[a], choices[b])
+    }
+    rows = []
+    while left:
+        row: dict[str, str] = dict(min(left, key=sorted))
+        for name in names:
+            if name not in row:
+                row[name] = max(
+                    choices[name], key=lambda answer: len(left & met(row | {name: answer}))
+                )
+        left -= met(row)
+        rows.append(row)
+    return rows
+
+
+def met(row: dict[str, str]) -> set[frozenset]:
+    """The pairs of answers in a row."""
+    return {frozenset(pair) for pair in combinations(row.items(), 2)}

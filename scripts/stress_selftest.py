@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Shows that the judge of `scripts/stress` can fail a mesh, and that its inputs are as said.
+
+A sound mesh has no fault; each spoilt one has its own fault and no other. Needs numpy only.
+"""
+
+import sys
+
+import numpy as np
+
+from kit import stress_shapes, stress_values
+from kit.stress_case import IDENTITY, ITEMS, Case, in_types, seen
+from kit.stress_check import CRITERIA, Allowed, Mesh, faults
+from kit.stress_modes import pairwise
+from kit.tally import Tally
+
+assert stress_values and stress_shapes  # they fill the list
+
+BOX = np.zeros((3, 3, 3), np.float32)
+BOX[1, 1, 1] = 2
+CASE = Case("one sample", BOX, 1)
+"""One sample inside: the surface is an octahedron around it."""
+
+CORNERS = np.array(
+    [[1.5, 1, 1], [0.5, 1, 1], [1, 1.5, 1], [1, 0.5, 1], [1, 1, 1.5], [1, 1, 0.5]], np.float32
+)
+FACES = np.array(
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+)
+CLOSED = Allowed(turned_out=False)
+
+
+def wrong(mesh: Mesh, case: Case = CASE, allowed: Allowed = CLOSED) -> set[str]:
+    """The criteria that a mesh fails."""
+    return {key for key, count in faults(mesh, case, allowed).items() if count}
+
+
+def moved(vertex: int, to: list[float]) -> Mesh:
+    """The octahedron with a vertex elsewhere."""
+    corners = CORNERS.copy()
+    corners[vertex] = to
+    return Mesh(corners, FACES)
+
+
+def spoilt() -> dict[str, tuple[Mesh, set[str]]]:
+    """Meshes with the faults that they must have."""
+    turned, doubled, other = FACES.copy(), np.vstack([FACES, FACES[:1]]), FACES.copy()
+    turned[0] = turned[0, ::-1]
+    other[0, 0] = 9
+    two = np.vstack([FACES, np.where(FACES == 4, 4, FACES + 6)])
+    apart = np.vstack([CORNERS, CORNERS + np.float32([0, 0, 0.03])])
+    apart[10] = apart[4]
+    unused = np.vstack([CORNERS, CORNERS[:1]])
+    normals = np.full((6, 3), np.nan)
+    return {
+        "nothing": (Mesh(CORNERS[:0], FACES[:0]), {"empty"}),
+        "a name that is not there": (Mesh(CORNERS, other), {"index", "open", "volume"}),
+        "a normal that is no number": (Mesh(CORNERS, FACES, normals), {"number"}),
+        "a vertex that is no number": (moved(0, [np.nan, 1, 1]), {"number", "volume"}),
+        "a vertex more": (Mesh(unused, FACES), {"unused"}),
+        "a triangle less": (Mesh(CORNERS, FACES[1:]), {"open", "volume"}),
+        "a triangle turned": (Mesh(CORNERS, turned), {"turned", "volume"}),
+        "a triangle twice": (Mesh(CORNERS, doubled), {"over", "double", "volume"}),
+        "two in a vertex": (Mesh(apart, two), {"fans", "unused"}),
+        "inside out": (Mesh(CORNERS, FACES[:, ::-1]), {"volume"}),
+        "a vertex in another": (moved(0, [1, 1.5, 1]), {"flat"}),
+        "a vertex two cells off": (moved(0, [3.5, 1, 1]), {"away"}),
+    }
+
+
+def meshes(tally: Tally) -> None:
+    """Sound and spoilt ones."""
+    tally.check("octahedron", "no fault", wrong(Mesh(CORNERS, FACES)) == set())
+    for name, (mesh, expected) in spoilt().items():
+        found = wrong(mesh)
+        tally.check(name, f"has {', '.join(sorted(expected))}", found == expected, found)
+    seen_faults = set().union(*(expected for _, expected in spoilt().values()))
+    never = set(CRITERIA) - seen_faults - {"differs", "report"}  # which others than `faults` count
+    tally.check("criteria", "each is failed by a spoilt mesh", not never, never)
+
+
+def allowances(tally: Tally) -> None:
+    """What is excused, and only there."""
+    half = Case("half", np.float32([[[2, 2], [2, 2]], [[0, 0], [0, 0]]]), 1)
+    sheet = np.float32([[0, 0, 0.5], [1, 0, 0.5], [1, 1, 0.5], [0, 1, 0.5]])
+    mesh = Mesh(sheet, np.array([[0, 1, 2], [0, 2, 3]]))
+    tally.check("sheet", "ends at the border", wrong(mesh, half, Allowed(border=True)) == set())
+    tally.check("sheet", "or may not", wrong(mesh, half, Allowed()) == {"open"})
+    hole = Mesh(CORNERS, FACES[1:])
+    tally.check("hole", "not within", "open" in wrong(hole, CASE, Allowed(border=True)))
+    gap = BOX.copy()
+    gap[2, 2, 2] = np.nan
+    excused = wrong(hole, Case("gap", gap, 1), Allowed(gaps=True))
+    tally.check("hole", "around a NaN", excused == set(), excused)
+    tenth = tuple(map(tuple, 0.1 * np.eye(3)))
+    far = Case("far", np.pad(BOX, 2), 1, directions=tenth, origin=(6.4e6,) * 3)
+    place = (CORNERS.astype(np.float64) + 2) * 0.1 + 6.4e6
+    tally.check("far away", "f64 is in its cells", wrong(Mesh(place, FACES), far) == set())
+    coarse = wrong(Mesh(place.astype(np.float32), FACES), far)
+    tally.check("far away", "f32 is not", "away" in coarse, coarse)
+
+
+def inputs(tally: Tally) -> None:
+    """All 25, the same in each run, and in every type that holds them."""
+    tally.check("list", "has 25 items", sorted(ITEMS) == list(range(1, 26)), sorted(ITEMS))
+    for number, item in ITEMS.items():
+        cases = list(item.cases(True))
+        names = [case.name for case in cases]
+        subject = f"{number} {item.name}"
+        tally.check(subject, "cases have names of their own", len(set(names)) == len(names) > 0)
+        same = all(
+            case.samples.tobytes() == again.samples.tobytes()
+            for case, again in zip(cases, item.cases(True), strict=True)
+        )
+        tally.check(subject, "chance is the same again", same)
+        exact = all(alike(case, other) for case in cases for other in in_types(case))
+        tally.check(subject, "other types hold the same values", exact)
+        views = [(seen(case.samples, case.view), case.samples) for case in cases if case.view]
+        plain = all(np.array_equal(view, samples) for view, samples in views)
+        tally.check(subject, "views show the same values", plain)
+    whole = Case("whole", np.array([[[-1, 3]]], np.int8), 0)
+    found = [case.samples.dtype.str[1:] for case in in_types(whole)]
+    others = ["u1", "u2", "i2", "u4", "i4", "f4", "f8"]
+    tally.check("whole numbers", "go into all types", found == others, found)
+    tally.check("frame", "is the identity", np.array_equal(IDENTITY, np.eye(3)))
+
+
+def alike(case: Case, other: Case) -> bool:
+    """Whether two cases have the same values less their isovalues."""
+    with np.errstate(invalid="ignore"):
+        one, two = (c.samples.astype(np.float64) - float(c.iso) for c in (case, other))
+    # A shift of both is exact for whole numbers, which are all that are shifted.
+    return np.array_equal(one, two, equal_nan=True)
+
+
+def rows(tally: Tally) -> None:
+    """Every two answers meet."""
+    choices = {"a": ["1", "2"], "b": ["1", "2", "3"], "c": ["1", "2"], "d": ["1", "2", "3"]}
+    made = pairwise(choices)
+    for one, other in [(x, y) for x in choices for y in choices if x < y]:
+        met = {(row[one], row[other]) for row in made}
+        wanted = len(choices[one]) * len(choices[other])
+        tally.check(f"{one} and {other}", "all pairs meet", len(met) == wanted, len(met))
+    tally.check("rows", "are fewer than all", len(made) < 20, len(made))
+
+
+def main() -> int:
+    """All of it."""
+    tally = Tally("stress_selftest", quiet=True)
+    meshes(tally)
+    allowances(tally)
+    inputs(tally)
+    rows(tally)
+    return tally.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

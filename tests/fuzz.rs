@@ -1,0 +1,126 @@
+//! The targets of `tests/fuzz` on bytes by chance and on files with wrong bytes; `scripts/fuzz` looks longer.
+//!
+//! `VOLUMES=1000000 cargo nextest run -p isokit-tests --test fuzz` extracts from so many volumes.
+
+use isokit::{
+    geom::Frame,
+    io::{MeshContext, write_mesh, write_volume},
+    job::Job,
+    marching_cubes::{ExtractOptions, extract},
+    mesh::Surface,
+    volume::{Grid, Volume},
+};
+use isokit_tests::{
+    chance::Chance,
+    fuzz::{self, mesh_file, volume_file},
+};
+use proptest::prelude::*;
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+fn ball() -> Volume<i16> {
+    let grid = Grid::new([5, 4, 3], Frame::default()).unwrap();
+    let square = |n: u64, middle: f64| (n as f64 - middle) * (n as f64 - middle);
+    let value = |n: u64| square(n % 5, 2.0) + square(n / 5 % 4, 1.5) + square(n / 20, 1.0);
+    Volume::new(grid, (0..60).map(|n| (300.0 - 100.0 * value(n)) as i16).collect()).unwrap()
+}
+
+/// A folder of a test's own, for files that are read back once.
+fn folder() -> PathBuf {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    let name = format!("fuzz-{}-{number}", std::process::id());
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Small volume files of several formats, and one header that is all text.
+fn volume_files() -> Vec<Vec<u8>> {
+    let folder = folder();
+    let write = |ending: &str| {
+        let path = folder.join(format!("ball.{ending}"));
+        write_volume(&path, &ball().into(), &Job::default()).unwrap();
+        fs::read(path).unwrap()
+    };
+    let mut files: Vec<Vec<u8>> = ["nii", "nii.gz", "nrrd", "npy"].map(write).into();
+    let meta = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\n\
+                ElementSpacing = 1 2 3\nElementDataFile = LOCAL\n12345678";
+    files.push(meta.into());
+    fs::remove_dir_all(folder).unwrap();
+    files
+}
+
+/// Small mesh files of all formats.
+fn mesh_files() -> Vec<Vec<u8>> {
+    let folder = folder();
+    let mesh = extract(&ball().view(), 0.0, &ExtractOptions::DEFAULT, &Job::default()).unwrap();
+    let surface = Surface { name: "ball".into(), color: None, iso: Some(0.0), mesh };
+    let write = |ending: &str| {
+        let path = folder.join(format!("ball.{ending}"));
+        let context = MeshContext::default();
+        write_mesh(&path, std::slice::from_ref(&surface), &context, &Job::default()).unwrap();
+        fs::read(path).unwrap()
+    };
+    let files = ["glb", "ply", "obj", "stl"].map(write).into();
+    fs::remove_dir_all(folder).unwrap();
+    files
+}
+
+/// Bytes written over, doubled or taken out.
+fn edited(mut bytes: Vec<u8>, edits: &[(u8, prop::sample::Index, u8)]) -> Vec<u8> {
+    for (kind, place, byte) in edits {
+        // Mostly in the header, where it matters.
+        let place = place.index(bytes.len().min(400));
+        match kind % 3 {
+            0 => bytes[place] = *byte,
+            1 => bytes.insert(place, *byte),
+            _ => drop(bytes.remove(place)),
+        }
+    }
+    bytes
+}
+
+#[test]
+fn volumes_and_options_by_chance() {
+    let count = env::var("VOLUMES").map_or(3000, |n| n.parse().expect("VOLUMES is a number"));
+    let mut chance = Chance::new(1);
+    for n in 0..count {
+        let bytes: Vec<u8> = (0..n % 800).map(|_| chance.bits() as u8).collect();
+        fuzz::extract(&bytes);
+    }
+}
+
+#[test]
+fn sound_files_are_read() {
+    volume_files().iter().for_each(|file| volume_file(file));
+    mesh_files().iter().for_each(|file| mesh_file(file));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn volumes_and_options_that_shrink(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        fuzz::extract(&bytes);
+    }
+
+    #[test]
+    fn files_that_are_nothing(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        volume_file(&bytes);
+        mesh_file(&bytes);
+    }
+
+    #[test]
+    fn files_with_wrong_bytes(
+        which in any::<prop::sample::Index>(),
+        edits in proptest::collection::vec(
+            (any::<u8>(), any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        volume_file(&edited(which.get(&volume_files()).clone(), &edits));
+        mesh_file(&edited(which.get(&mesh_files()).clone(), &edits));
+    }
+}

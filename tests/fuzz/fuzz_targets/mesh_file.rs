@@ -1,0 +1,4 @@
+//! Mesh files by chance.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| isokit_tests::fuzz::mesh_file(bytes));

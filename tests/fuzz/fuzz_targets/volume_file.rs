@@ -1,0 +1,4 @@
+//! Volume files by chance.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| isokit_tests::fuzz::volume_file(bytes));
