@@ -123,7 +123,7 @@ mod tests {
     }
 
     fn signs() -> Vec<u64> {
-        let row: Vec<f32> = (0..200).map(|n| f32::from_bits(n % 7 | n << 31)).collect();
+        let row: Vec<f32> = (0..200).map(|n| f32::from_bits((n % 7) | (n << 31))).collect();
         let thresholds = Thresholds::new(&[Threshold::AtLeast(f32::from_bits(3))]).unwrap();
         let mut out = vec![0; 4];
         signs_of_many(black_box(&row), &thresholds, &mut out, 4);

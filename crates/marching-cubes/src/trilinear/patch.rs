@@ -78,7 +78,7 @@ impl Patch {
     }
 
     /// Adds the triangles of the tube to `out`; the vertices of the waist are [`CENTRE`] and those after it.
-    /// `distance` is between an edge's vertex and one of the waist: of the ways to turn the waist the one
+    /// `distance` is between an edge's crossing and a vertex of the waist: of the ways to turn the waist the one
     /// with the least sum of distances is taken.
     pub(super) fn bridge(&self, distance: impl Fn(u8, usize) -> f64, out: &mut Vec<[u8; 3]>) {
         let Some(rings) = self.tube() else { return };

@@ -15,6 +15,7 @@
 //! so keeps the clearance from every edge of the cell. Rounding to f32 moves no vertex by a quarter of it.
 
 use super::{cell::Cell, patch::WAIST};
+use isokit_geom::cube::Edge;
 
 /// What vertices keep from the faces of the cell: as much as vertices on edges keep from samples at most.
 const CLEARANCE: f64 = 1.0 / 16.0;
@@ -34,6 +35,15 @@ impl Interpolant {
         let greatest = cell.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let values = cell.values.map(|value| value / greatest);
         (cell.known == u8::MAX).then_some(Self { values })
+    }
+
+    /// Where an edge has the value 0, wherever its vertex is placed; its middle if that is not told.
+    pub(super) fn crossing(&self, edge: Edge) -> [f64; 3] {
+        let [start, end] = edge.ends();
+        let [a, b] = [start, end].map(|corner| self.values[corner.index()]);
+        let (mut place, share) = (start.offset().map(|i| i as f64), a / (a - b));
+        place[edge.axis()] += if share.is_nan() { 0.5 } else { share };
+        place
     }
 
     /// The gradient, and the value.

@@ -110,8 +110,9 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
         let interpolant = Interpolant::new(cell);
         if let (Some(interpolant), Some(ends)) = (&interpolant, tunnel) {
             *inner = waist(interpolant, ends);
+            // Not from where vertices are placed, so that no placement changes a triangle.
             let distance = |edge: u8, n: usize| {
-                let (p, q) = (crossings[usize::from(edge)], inner[n]);
+                let (p, q) = (interpolant.crossing(Edge::new(edge)), inner[n]);
                 p.iter().zip(q).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt()
             };
             patch.bridge(distance, triangles);
