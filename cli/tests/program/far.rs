@@ -86,6 +86,6 @@ fn formats_that_hold_f32_warn_and_count_what_falls_together() {
 fn slices_of_a_volume_far_away_are_as_exact() {
     let folder = folder();
     extract(&folder, "far.nrrd", "whole.ply", "");
-    extract(&folder, "far.nrrd", "slabs.ply", "--max-memory 16MiB");
+    extract(&folder, "far.nrrd", "slabs.ply", "--max-memory 64MiB");
     assert!(vertices(&folder, "whole.ply") == vertices(&folder, "slabs.ply"));
 }
