@@ -5,15 +5,16 @@ use crate::{
     fill::{Fill, Winding},
     layout::{Layout, check_size},
     planes::{Lattice, Planes},
+    sweep::{Sweep, Swept},
     tally::{Tally, Whole},
     trilinear::Values,
     vertex::Placer,
 };
 use isokit_job::Job;
-use isokit_lanes::exactly;
+use isokit_lanes::{Thresholds, exactly};
 use isokit_mesh::{Counts, MeshSink, Precision, TriMesh};
 use isokit_volume::{Grid, Sample, View};
-use std::slice;
+use std::{ops::ControlFlow, slice};
 
 /// What can be said of a surface that went into a sink.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,8 @@ pub fn extract<T: Sample>(
 }
 
 /// The surface where the value is `iso`, handed to a sink as one piece. [`TriMesh::refill`] makes a sink
-/// that uses the memory of a mesh again.
+/// that uses the memory of a mesh again, which takes less time than new memory: no page is touched for the
+/// first time, and samples are read once. What was in it does not matter.
 ///
 /// # Errors
 ///
@@ -106,6 +108,13 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     let view = &source.view;
     let (precision, margin) = exactly(|| precision(&view.grid(), options))?;
     on_threads(job, || {
+        let mut filled = 0;
+        if let ([iso], [sink], None) = (isos, &mut *sinks, source.bricks) {
+            match swept(view, *iso, (precision, margin), options, sink, job)? {
+                ControlFlow::Break(extracted) => return Ok(vec![extracted]),
+                ControlFlow::Continue(slices) => filled = slices,
+            }
+        }
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks);
         let extract = |((mut planes, &iso), sink): ((Planes, &f64), &mut S)| {
@@ -120,13 +129,55 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
                 let placer = Placer::new(*view, iso, margin, 0.0).with_placement(options.placement);
                 let winding = Winding::of(view.frame());
                 let fill = Fill { planes: &planes, layout, placer, values, winding };
-                let slices = 0..planes.lattice.points[2];
-                fill.piece(slices, piece, options.layers_per_task.get(), job)?;
+                let slices = filled..planes.lattice.points[2];
+                fill.piece(
+                    slices,
+                    piece.after(layout.before(filled)),
+                    options.layers_per_task.get(),
+                    job,
+                )?;
             }
             Ok(Extracted { counts, precision, margin, singular_cells, skipped })
         };
         surfaces.map(extract).collect()
     })
+}
+
+/// The surface in one sweep, where the sink has memory for it already; or how many slices are filled.
+fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
+    view: &View<'_, T>,
+    iso: f64,
+    (precision, margin): (Precision, f64),
+    options: &ExtractOptions,
+    sink: &mut S,
+    job: &Job,
+) -> Result<ControlFlow<Extracted, usize>, ExtractError<S::Error>> {
+    let lattice = checked(view, &[iso], options)?;
+    let thresholds =
+        Thresholds::new(&[view.scaling().threshold(iso)]).filter(|_| lattice.has_cells());
+    let Some(thresholds) = thresholds else { return Ok(ControlFlow::Continue(0)) };
+    let Some(room) = sink.spare(precision) else { return Ok(ControlFlow::Continue(0)) };
+    let sweep = Sweep {
+        view: *view,
+        lattice,
+        thresholds,
+        stops_at_nan: options.nan != Nan::Outside && !T::DTYPE.is_integer(),
+        values: Values::new(*view, iso, lattice.guard),
+        decides: options.topology == Topology::Trilinear,
+        placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
+        winding: Winding::of(view.frame()),
+    };
+    job.progress.begin("extract", view.dims()[2] as u64);
+    let (counts, singular_cells) = match sweep.run(room, job).map_err(ExtractError::from)? {
+        Swept::Whole { counts, singular_cells } => (counts, singular_cells),
+        Swept::Part { filled } => return Ok(ControlFlow::Continue(filled)),
+    };
+    let bytes = counts.bytes(precision, sink.wants_normals());
+    job.limits.probe("surface", bytes, 1)?;
+    sink.piece(counts, precision).map_err(ExtractError::Sink)?;
+    let samples_read = view.dims().iter().map(|&n| n as u64).product();
+    let skipped = Skipped { samples_read, ..Skipped::default() };
+    Ok(ControlFlow::Break(Extracted { counts, precision, margin, singular_cells, skipped }))
 }
 
 /// How many vertices and triangles the surfaces of several values have, with one pass over the samples.

@@ -12,7 +12,7 @@ use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
     BLOCK, Coordinate, Edges, FirstVertices, Word, exactly, prefer_large_pages, provide, triangles,
 };
-use isokit_mesh::{Piece, PositionsMut};
+use isokit_mesh::{Counts, Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -46,7 +46,33 @@ pub(crate) struct Fill<'a, T> {
     pub(crate) winding: Winding,
 }
 
-/// The part of the output that is still to be written.
+/// Vertices and triangles that are still to be written.
+pub(crate) struct Rest<'a, C> {
+    pub(crate) positions: &'a mut [[C; 3]],
+    pub(crate) normals: Option<&'a mut [[f32; 3]]>,
+    pub(crate) triangles: &'a mut [[u32; 3]],
+}
+
+impl<'a, C> Rest<'a, C> {
+    /// Whether there is room for so much.
+    pub(crate) fn holds(&self, counts: Counts) -> bool {
+        let normals = self.normals.as_ref().map_or(u64::MAX, |normals| normals.len() as u64);
+        counts.vertices <= normals.min(self.positions.len() as u64)
+            && counts.triangles <= self.triangles.len() as u64
+    }
+
+    /// Takes room for the first so many.
+    pub(crate) fn split_off(&mut self, counts: Counts) -> Self {
+        let vertices = counts.vertices as usize;
+        Rest {
+            positions: split_off(&mut self.positions, vertices),
+            normals: self.normals.as_mut().map(|normals| split_off(normals, vertices)),
+            triangles: split_off(&mut self.triangles, counts.triangles as usize),
+        }
+    }
+}
+
+/// Vertices that are still to be written.
 pub(crate) struct Room<'a, C> {
     pub(crate) positions: &'a mut [[C; 3]],
     pub(crate) normals: Option<&'a mut [[f32; 3]]>,
@@ -54,7 +80,7 @@ pub(crate) struct Room<'a, C> {
 
 /// What a task needs beside its part of the output: memory that is used again for every slice.
 #[derive(Default)]
-struct Scratch {
+pub(crate) struct Scratch {
     words: Vec<Word>,
     along_x_and_y: Queue,
     along_z: Queue,
@@ -104,7 +130,7 @@ impl<T: Sample> Fill<'_, T> {
         let mut tasks = vec![];
         for first in slices.clone().step_by(layers_per_task) {
             let end = slices.end.min(first.saturating_add(layers_per_task));
-            let [before, after] = [self.layout.slices[first], self.layout.slices[end]];
+            let [before, after] = [first, end].map(|z| self.layout.before(z));
             let vertices = (after.vertices - before.vertices) as usize;
             let own = (after.triangles - before.triangles) as usize;
             tasks.push((first..end, room.split_off(vertices), split_off(&mut triangles, own)));
@@ -127,6 +153,21 @@ impl<T: Sample> Fill<'_, T> {
         })
     }
 
+    /// Fills some slices.
+    pub(crate) fn some<C: Coordinate>(
+        &self,
+        slices: Range<usize>,
+        rest: &mut Rest<'_, C>,
+        scratch: &mut Scratch,
+    ) {
+        let Rest { positions, normals, triangles } = rest;
+        let mut room = Room { positions, normals: normals.as_deref_mut() };
+        let mut triangles = &mut **triangles;
+        for z in slices {
+            self.slice(z, &mut room, &mut triangles, scratch);
+        }
+    }
+
     /// A slice's vertices, those along x and y row by row, then those along z, then those in special cells;
     /// and its triangles.
     fn slice<C: Coordinate>(
@@ -136,7 +177,7 @@ impl<T: Sample> Fill<'_, T> {
         triangles: &mut &mut [[u32; 3]],
         scratch: &mut Scratch,
     ) {
-        if self.layout.slices[z] == self.layout.slices[z + 1] {
+        if self.layout.before(z) == self.layout.before(z + 1) {
             return;
         }
         let Scratch { words, along_x_and_y, along_z } = scratch;
@@ -146,7 +187,7 @@ impl<T: Sample> Fill<'_, T> {
         let mut flat = room.split_off((first.z - first.x) as usize);
         let mut upright = room.split_off((first_inner - first.z) as usize);
         let cells = self.layout.special(z);
-        let [before, after] = [self.layout.slices[z], self.layout.slices[z + 1]];
+        let [before, after] = [z, z + 1].map(|z| self.layout.before(z));
         let triangles = split_off(triangles, (after.triangles - before.triangles) as usize);
         // The last triangles of the slice are those of its special cells.
         let others = triangles.len() - cells.triangles as usize;

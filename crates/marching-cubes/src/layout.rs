@@ -34,10 +34,12 @@ pub(crate) struct Part {
 /// The number of the first vertex and triangle of every slice and row.
 #[derive(Debug)]
 pub(crate) struct Layout {
-    pub(crate) rows: Vec<Row>,
+    /// The slice that `rows`, `slices` and `special` begin with.
+    first: usize,
+    rows: Vec<Row>,
     /// One more than there are slices: the last holds the totals.
-    pub(crate) slices: Vec<Counts>,
-    pub(crate) live: Option<LiveCells>,
+    slices: Vec<Counts>,
+    live: Option<LiveCells>,
     /// Those of every slice; none where the cases settle everything.
     special: Vec<SpecialCells>,
 }
@@ -72,7 +74,7 @@ impl Layout {
         };
         let live = planes.missing.as_ref().map(|missing| LiveCells::new(lattice, missing, job));
         let live = live.transpose()?;
-        let counting = Counting { planes, live: live.as_ref(), done: &done };
+        let counting = Counting { planes, live: live.as_ref() };
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
         let counted = tasks.map(|(task, slab)| {
             job.check()?;
@@ -84,7 +86,9 @@ impl Layout {
                 if z < own.start || z > own.end {
                     return (Counts::default(), special);
                 }
-                counting.slice(z, slice, &mut scratch);
+                if !done[z] {
+                    counting.slice(z, slice, &mut scratch);
+                }
                 if z == own.end {
                     slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
                     return (Counts::default(), special);
@@ -111,12 +115,73 @@ impl Layout {
                 number_rows(slice, ends[0].vertices as u32);
             },
         );
-        Ok(Self { rows, slices, live, special })
+        Ok(Self { first: 0, rows, slices, live, special })
+    }
+
+    /// None yet.
+    pub(crate) fn empty() -> Self {
+        Self { first: 0, rows: vec![], slices: vec![], live: None, special: vec![] }
+    }
+
+    /// Counts some slices only, and of the one after them, which their triangles look up to, the vertices along
+    /// x and y. They are to be numbered next.
+    pub(crate) fn count_some<T: Sample>(
+        &mut self,
+        planes: &Planes,
+        values: Option<&Values<'_, T>>,
+        own: Range<usize>,
+        scratch: &mut Vec<Word>,
+    ) {
+        let [_, ny, nz] = planes.lattice.points;
+        let counting = Counting { planes, live: None };
+        self.first = own.start;
+        self.rows.clear();
+        self.rows.resize(ny * (nz.min(own.end + 1) - own.start), Row::default());
+        self.slices.clear();
+        self.special.clear();
+        for (z, slice) in (own.start..).zip(self.rows.chunks_exact_mut(ny)) {
+            counting.slice(z, slice, scratch);
+            if z == own.end {
+                slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
+                break;
+            }
+            let special = values.map(|values| counting.special(values, z, slice, scratch));
+            let special = special.unwrap_or_default();
+            self.slices.push(counts_of(slice, &special));
+            self.special.push(special);
+        }
+    }
+
+    /// What all slices make that were counted and are not numbered yet.
+    pub(crate) fn sum(&self) -> Counts {
+        self.slices.iter().fold(Counts::default(), |sum, slice| Counts {
+            vertices: sum.vertices + slice.vertices,
+            triangles: sum.triangles + slice.triangles,
+        })
+    }
+
+    /// The most triangles that one of them has.
+    pub(crate) fn widest(&self) -> u64 {
+        self.slices.iter().map(|slice| slice.triangles).max().unwrap_or(0)
+    }
+
+    /// Numbers what was counted.
+    pub(crate) fn number_from(&mut self, before: Counts, ny: usize) {
+        self.slices = running_sum(before, &self.slices);
+        for (slice, counts) in self.rows.chunks_exact_mut(ny).zip(&self.slices) {
+            number_rows(slice, counts.vertices as u32);
+        }
+    }
+
+    /// What lies before slice `z`; after the last slice, everything.
+    #[inline(always)]
+    pub(crate) fn before(&self, z: usize) -> Counts {
+        self.slices[z - self.first]
     }
 
     /// The special cells of a slice.
     pub(crate) fn special(&self, z: usize) -> &SpecialCells {
-        &self.special[z]
+        &self.special[z - self.first]
     }
 
     /// Cells in which a saddle that decides is exactly on the isovalue.
@@ -127,7 +192,7 @@ impl Layout {
     /// The number of the first vertex of a slice that lies on no edge.
     #[inline(always)]
     pub(crate) fn first_inner(&self, z: usize) -> u32 {
-        (self.slices[z + 1].vertices - self.special[z].vertices) as u32
+        (self.before(z + 1).vertices - self.special(z).vertices) as u32
     }
 
     /// Vertices and triangles of the whole surface.
@@ -139,7 +204,7 @@ impl Layout {
     #[inline(always)]
     pub(crate) fn are_blank(&self, lattice: Lattice, rows: Range<usize>, z: usize) -> bool {
         let (own, first) = (self.row(lattice, rows.start, z), self.row(lattice, 0, z));
-        let (before, end, special) = (self.slices[z], self.slices[z + 1], &self.special[z]);
+        let (before, end, special) = (self.before(z), self.before(z + 1), self.special(z));
         let next = match rows.end < lattice.points[1] {
             true => self.row(lattice, rows.end, z),
             false => Row {
@@ -160,7 +225,7 @@ impl Layout {
     /// The record of a row.
     #[inline(always)]
     pub(crate) fn row(&self, lattice: Lattice, y: usize, z: usize) -> Row {
-        self.rows[y + lattice.points[1] * z]
+        self.rows[y + lattice.points[1] * (z - self.first)]
     }
 }
 
@@ -200,14 +265,12 @@ pub(crate) fn check_size<E>(
 struct Counting<'a> {
     planes: &'a Planes,
     live: Option<&'a LiveCells>,
-    /// The slices that are counted already.
-    done: &'a [bool],
 }
 
 impl Counting<'_> {
     /// Counts what the rows of slice `z` make.
     fn slice(&self, z: usize, slice: &mut [Row], scratch: &mut Vec<Word>) {
-        if self.done[z] || self.skips(z) {
+        if self.skips(z) {
             return;
         }
         let rows = 0..slice.len();

@@ -76,7 +76,9 @@ pub(crate) fn behind_guard(row: &mut [u64]) {
 #[derive(Debug)]
 pub(crate) struct Plane {
     lattice: Lattice,
-    /// The rows of slices of samples, so many slices together; nothing where all are blank.
+    /// The slice of the lattice that the groups begin with. Those before and after are blank.
+    first: usize,
+    /// The rows of slices, so many slices together; nothing where all are blank.
     groups: Vec<Vec<u64>>,
     together: usize,
     /// A slice of nothing but zeros.
@@ -86,14 +88,24 @@ pub(crate) struct Plane {
 impl Plane {
     /// Nothing but zeros.
     fn blank(lattice: Lattice) -> Self {
-        Self { lattice, groups: vec![], together: 1, blank: vec![0; lattice.slice_words()] }
+        let blank = vec![0; lattice.slice_words()];
+        Self { lattice, first: lattice.guard, groups: vec![], together: 1, blank }
+    }
+
+    /// Zeros for some slices, of which `first` is the first. All others are blank.
+    pub(crate) fn window(&mut self, first: usize, slices: usize) -> &mut [u64] {
+        self.groups.resize(1, vec![]);
+        (self.first, self.together) = (first, slices);
+        let window = &mut self.groups[0];
+        window.clear();
+        window.resize(slices * self.blank.len(), 0);
+        window
     }
 
     /// The rows of slice `z` of the lattice.
     #[inline(always)]
     fn slice(&self, z: usize) -> &[u64] {
-        // Guards are in no group.
-        let k = z.wrapping_sub(self.lattice.guard);
+        let k = z.wrapping_sub(self.first);
         let words = self.blank.len();
         match self.groups.get(k / self.together) {
             Some(group) => {
@@ -149,6 +161,12 @@ pub(crate) struct Counted {
 }
 
 impl Planes {
+    /// No point is inside.
+    pub(crate) fn blank(lattice: Lattice) -> Self {
+        let inside = Plane::blank(lattice);
+        Self { lattice, inside, missing: None, visits: None, counted: None }
+    }
+
     /// Whether it is known without a look that there is no surface.
     pub(crate) fn is_empty(&self) -> bool {
         self.inside.groups.iter().all(Vec::is_empty)

@@ -173,7 +173,7 @@ impl Making<'_> {
             }
             layout => layout?,
         };
-        surface.counts = layout.slices[part.slices.end];
+        surface.counts = layout.before(part.slices.end);
         surface.singular_cells += layout.singular_cells();
         if surface.is_too_large {
             return Ok(()); // only to count it
@@ -228,7 +228,7 @@ impl Making<'_> {
 
 /// What some slices make.
 fn between(layout: &Layout, slices: &Range<usize>) -> Counts {
-    let [before, after] = [layout.slices[slices.start], layout.slices[slices.end]];
+    let [before, after] = [slices.start, slices.end].map(|z| layout.before(z));
     Counts {
         vertices: after.vertices - before.vertices,
         triangles: after.triangles - before.triangles,

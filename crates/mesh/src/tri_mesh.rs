@@ -2,7 +2,7 @@
 
 use crate::{Counts, MeshSink, Piece, PositionsMut};
 use isokit_geom::Aabb;
-use std::convert::Infallible;
+use std::{convert::Infallible, mem};
 
 /// How exactly positions are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl TriMesh {
     /// A sink that replaces what the mesh holds and uses its memory again. It takes normals if the mesh
     /// has some, be they none: see [`with_normals`](Self::with_normals).
     pub fn refill(&mut self) -> Refill<'_> {
-        Refill { mesh: self, filled: Counts::default() }
+        Refill { mesh: self, filled: Counts::default(), is_lent: false }
     }
 
     /// Room for a new content in place of the old, in memory that is there or new. Normals as in
@@ -126,12 +126,39 @@ impl TriMesh {
 
     /// Room for `more` behind the first `held`, in memory that is there or new.
     pub(crate) fn room(&mut self, held: Counts, more: Counts, precision: Precision) -> Piece<'_> {
+        self.make(precision);
+        if held == Counts::default() {
+            self.reserve(more, 0);
+        }
+        self.grown(held, more)
+    }
+
+    /// Positions of a precision. If they have another, they are forgotten.
+    fn make(&mut self, precision: Precision) {
         if self.positions.precision() != precision {
             self.positions = match precision {
                 Precision::F32 => Positions::F32(vec![]),
                 Precision::F64 => Positions::F64(vec![]),
             };
         }
+    }
+
+    /// Takes new memory for `counts` where there is not enough; of the old content the first `kept` items of
+    /// each list stay.
+    fn reserve(&mut self, counts: Counts, kept: usize) {
+        let (vertices, triangles) = (counts.vertices as usize, counts.triangles as usize);
+        match &mut self.positions {
+            Positions::F32(all) => reserve(all, vertices, kept),
+            Positions::F64(all) => reserve(all, vertices, kept),
+        }
+        if let Some(normals) = &mut self.normals {
+            reserve(normals, vertices, kept);
+        }
+        reserve(&mut self.triangles, triangles, kept);
+    }
+
+    /// Room for `more` behind the first `held`.
+    fn grown(&mut self, held: Counts, more: Counts) -> Piece<'_> {
         let (vertices, more_vertices) = (held.vertices as usize, more.vertices as usize);
         Piece {
             positions: match &mut self.positions {
@@ -163,6 +190,8 @@ impl TriMesh {
 pub struct Refill<'a> {
     mesh: &'a mut TriMesh,
     filled: Counts,
+    /// Whether something may be written already behind what is filled.
+    is_lent: bool,
 }
 
 impl MeshSink for Refill<'_> {
@@ -176,7 +205,25 @@ impl MeshSink for Refill<'_> {
         let held = self.filled;
         self.filled.vertices += counts.vertices;
         self.filled.triangles += counts.triangles;
+        if mem::take(&mut self.is_lent) {
+            self.mesh.reserve(self.filled, usize::MAX);
+            return Ok(self.mesh.grown(held, counts));
+        }
         Ok(self.mesh.room(held, counts, precision))
+    }
+
+    /// What the mesh held before.
+    fn spare(&mut self, precision: Precision) -> Option<Piece<'_>> {
+        self.mesh.make(precision);
+        let Counts { vertices, triangles } = self.mesh.counts();
+        let normals = self.mesh.normals.as_ref().map_or(vertices, |normals| normals.len() as u64);
+        let held = self.filled;
+        let more = Counts {
+            vertices: vertices.min(normals).saturating_sub(held.vertices),
+            triangles: triangles.saturating_sub(held.triangles),
+        };
+        self.is_lent = more != Counts::default();
+        self.is_lent.then(|| self.mesh.grown(held, more))
     }
 }
 
@@ -186,13 +233,21 @@ impl Drop for Refill<'_> {
     }
 }
 
+/// Takes new memory for `count` items if there is not enough, and copies the first `kept` that are there.
+/// New memory comes as zeros from the system, whose pages are touched first by whoever fills them.
+fn reserve<T: Copy + Default>(all: &mut Vec<T>, count: usize, kept: usize) {
+    if all.capacity() < count {
+        let kept = kept.min(all.len());
+        let mut new = vec![T::default(); count];
+        new[..kept].copy_from_slice(&all[..kept]);
+        *all = new;
+    }
+}
+
 /// The `more` items behind the first `held`. What is there already keeps its content, to be overwritten:
-/// memory that was used before is not cleared, and new memory comes as zeros from the system, whose pages
-/// are touched first by whoever fills them.
+/// memory that was used before is not cleared.
 fn room<T: Copy + Default>(all: &mut Vec<T>, held: usize, more: usize) -> &mut [T] {
-    if held == 0 && all.capacity() < more {
-        *all = vec![T::default(); more];
-    } else if all.len() < held + more {
+    if all.len() < held + more {
         all.resize(held + more, T::default());
     }
     &mut all[held..held + more]
@@ -201,7 +256,7 @@ fn room<T: Copy + Default>(all: &mut Vec<T>, held: usize, more: usize) -> &mut [
 #[cfg(test)]
 mod tests {
     use super::TriMesh;
-    use crate::{Counts, MeshSink, PositionsMut, Precision};
+    use crate::{Counts, MeshSink, Piece, PositionsMut, Precision};
 
     fn fill(sink: &mut impl MeshSink<Error: std::fmt::Debug>, vertices: u64, value: f32) {
         let counts = Counts { vertices, triangles: 2 * vertices };
@@ -230,5 +285,31 @@ mod tests {
         assert_eq!(mesh.triangles.as_ptr(), memory);
         drop(mesh.refill());
         assert_eq!(mesh.counts(), Counts::default());
+    }
+
+    #[test]
+    fn what_is_written_to_spare_memory_begins_the_next_piece_whatever_its_size() {
+        for (before, after) in [(9, 4), (9, 9), (9, 700), (1, 100_000)] {
+            let mut mesh = TriMesh::with_normals();
+            assert!(mesh.refill().spare(Precision::F32).is_none(), "it holds nothing");
+            fill(&mut mesh.refill(), before, 1.0);
+            let mut refill = mesh.refill();
+            let spare = refill.spare(Precision::F32).unwrap();
+            assert_eq!(spare.normals.map(|normals| normals.len() as u64), Some(before));
+            spare.triangles[0] = [7; 3];
+            let counts = Counts { vertices: after, triangles: 2 * after };
+            let piece = refill.piece(counts, Precision::F32).unwrap();
+            assert_eq!(piece.triangles[0], [7; 3]);
+            let first = Counts { vertices: after - 1, triangles: 1 };
+            let Piece { positions, triangles, .. } = piece.after(first);
+            let PositionsMut::F32(positions) = positions else { panic!("asked for f32") };
+            assert_eq!((positions.len(), triangles.len() as u64), (1, 2 * after - 1));
+            drop(refill);
+            assert_eq!(mesh.counts(), counts);
+        }
+        let mut other = TriMesh::with_normals();
+        fill(&mut other.refill(), 5, 1.0);
+        let spare = other.refill().spare(Precision::F64).map(|spare| spare.triangles.len());
+        assert_eq!(spare, Some(10), "positions in another precision are forgotten");
     }
 }

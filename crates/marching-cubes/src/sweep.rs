@@ -1,0 +1,242 @@
+//! All passes at once, over a few slices at a time while their samples are in the cache.
+//!
+//! Where the surface goes into memory that is there already, it is not needed to know how large it is before
+//! the first vertex is written. Slabs of slices are begun in their order. Each is classified and counted,
+//! waits until the slab before it knows how much that makes, takes its part of the memory, and fills it.
+//! Samples around the surface are so read from the cache, where the passes one after another
+//! (`planes`, `layout`, `fill`) read them from memory a second time. Numbers and bits are theirs.
+//!
+//! The vertices and triangles between two slabs are the second's, which takes a copy of the last slice of bits of
+//! the first. If the memory does not suffice, the passes do the rest; if a sample is NaN and that matters,
+//! everything.
+
+use crate::{
+    fill::{Fill, Rest, Scratch, Winding},
+    layout::{Layout, check_size},
+    planes::{Lattice, Planes, behind_guard},
+    trilinear::Values,
+    vertex::Placer,
+};
+use isokit_job::{Cancelled, Job, Turns};
+use isokit_lanes::{Coordinate, Thresholds, Word, exactly, has_nan, signs_of_many, words};
+use isokit_mesh::{Counts, Piece, PositionsMut};
+use isokit_volume::{Sample, View};
+use std::{
+    ops::Range,
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+/// What there is to extract.
+pub(crate) struct Sweep<'a, T> {
+    pub(crate) view: View<'a, T>,
+    pub(crate) lattice: Lattice,
+    /// One.
+    pub(crate) thresholds: Thresholds<T>,
+    pub(crate) stops_at_nan: bool,
+    pub(crate) values: Values<'a, T>,
+    /// Whether the values decide what the signs leave open.
+    pub(crate) decides: bool,
+    pub(crate) placer: Placer<'a, T>,
+    pub(crate) winding: Winding,
+}
+
+/// How far it came.
+pub(crate) enum Swept {
+    /// All is filled.
+    Whole { counts: Counts, singular_cells: u64 },
+    /// The slices up to this one are filled.
+    Part { filled: usize },
+}
+
+/// Bytes of samples in a slab: with those that the next one looks at they stay in a cache of 2 MiB.
+const SLAB: usize = 1 << 20;
+
+/// Slabs per thread at the least.
+const SLABS: usize = 8;
+
+/// What threads hand to each other.
+struct Shared<'a, C> {
+    turns: Turns,
+    /// The bits of the last slice of each slab, on their way to the next.
+    ends: Vec<Mutex<Option<Vec<u64>>>>,
+    left: Mutex<Left<'a, C>>,
+    has_nan: AtomicBool,
+}
+
+/// The memory that is left, and what is before it.
+struct Left<'a, C> {
+    rest: Rest<'a, C>,
+    before: Counts,
+    singular_cells: u64,
+    /// Slices up to this one have got theirs.
+    filled: usize,
+}
+
+/// What a thread needs for its slabs.
+struct Own<T> {
+    planes: Planes,
+    layout: Layout,
+    words: Vec<Word>,
+    samples: Vec<T>,
+    scratch: Scratch,
+}
+
+impl<T: Sample> Sweep<'_, T> {
+    /// Fills `room` as far as it goes.
+    pub(crate) fn run(&self, room: Piece<'_>, job: &Job) -> Result<Swept, Cancelled> {
+        let Piece { positions, normals, triangles } = room;
+        match positions {
+            PositionsMut::F32(positions) => self.slabs(Rest { positions, normals, triangles }, job),
+            PositionsMut::F64(positions) => self.slabs(Rest { positions, normals, triangles }, job),
+        }
+    }
+
+    fn slabs<C: Coordinate>(&self, rest: Rest<'_, C>, job: &Job) -> Result<Swept, Cancelled> {
+        let [nx, ny, slices] = self.view.dims();
+        let threads = job.threads.count();
+        let per_slab = SLAB / (nx * ny * size_of::<T>());
+        let per_slab = per_slab.min(slices / (threads * SLABS)).max(1);
+        let slabs = slices.div_ceil(per_slab);
+        let mut ends: Vec<Mutex<Option<Vec<u64>>>> = vec![];
+        ends.resize_with(slabs, Mutex::default);
+        let shared = Shared {
+            turns: Turns::default(),
+            ends,
+            left: Mutex::new(Left {
+                rest,
+                before: Counts::default(),
+                singular_cells: 0,
+                filled: 0,
+            }),
+            has_nan: AtomicBool::new(false),
+        };
+        let slab = |own: &mut Own<T>, n: usize| {
+            job.check()?;
+            let slices = n * per_slab..slices.min((n + 1) * per_slab);
+            job.progress.advance(slices.len() as u64);
+            exactly(|| self.slab(n, slices, own, &shared));
+            Ok(())
+        };
+        shared.turns.run(slabs, threads, || Own::new(self.lattice), slab)?;
+        let left = shared.left.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let Left { before: counts, singular_cells, filled, .. } = left;
+        Ok(match (shared.has_nan.into_inner(), shared.turns.is_over()) {
+            (true, _) => Swept::Part { filled: 0 },
+            (false, true) => Swept::Part { filled },
+            (false, false) => Swept::Whole { counts, singular_cells },
+        })
+    }
+
+    /// From the samples of slab `n` to vertices and triangles; nothing if the sweep ends before.
+    fn slab<C: Coordinate>(
+        &self,
+        n: usize,
+        samples: Range<usize>,
+        own: &mut Own<T>,
+        shared: &Shared<'_, C>,
+    ) -> Option<()> {
+        let Lattice { points: [_, ny, nz], guard, .. } = self.lattice;
+        let slice_words = self.lattice.slice_words();
+        // The last slice of the slab before, where there is one, is this one's.
+        let below = usize::from(n > 0);
+        let first = samples.start + guard - below;
+        let window = own.planes.inside.window(first, below + samples.len());
+        let (end_of_last, classified) = window.split_at_mut(below * slice_words);
+        if !self.classify(samples.clone(), classified, &mut own.samples) {
+            shared.has_nan.store(true, Ordering::Relaxed);
+            shared.turns.end();
+            return None;
+        }
+        let mut handed = match n {
+            0 => vec![],
+            _ => shared.turns.until(|| lock(&shared.ends[n - 1]).take())?,
+        };
+        end_of_last.copy_from_slice(&handed);
+        handed.clear();
+        handed.extend_from_slice(&classified[classified.len() - slice_words..]);
+        *lock(&shared.ends[n]) = Some(handed);
+
+        let is_last = samples.end == self.view.dims()[2];
+        let end = if is_last { nz } else { samples.end + guard - 1 };
+        let slices = if n == 0 { 0 } else { first }..end;
+        let values = self.decides.then_some(&self.values);
+        own.layout.count_some(&own.planes, values, slices.clone(), &mut own.words);
+        if !shared.turns.wait(n) {
+            return None;
+        }
+        let taken = lock(&shared.left).take(&own.layout, end);
+        let Some((mut room, before)) = taken else {
+            shared.turns.end();
+            return None;
+        };
+        shared.turns.pass();
+        own.layout.number_from(before, ny);
+        let (planes, layout) = (&own.planes, &own.layout);
+        let Self { placer, values, winding, .. } = *self;
+        let fill = Fill { planes, layout, placer, values, winding };
+        fill.some(slices, &mut room, &mut own.scratch);
+        Some(())
+    }
+
+    /// The bits of some slices of samples, into zeros. False if there is a NaN that matters.
+    fn classify(&self, slices: Range<usize>, bits: &mut [u64], scratch: &mut Vec<T>) -> bool {
+        let [nx, ny, _] = self.view.dims();
+        for (k, slice) in slices.zip(bits.chunks_exact_mut(self.lattice.slice_words())) {
+            for j in 0..ny {
+                let row = self.view.row(j, k).gather(scratch);
+                let out = &mut slice[self.lattice.row_of_samples(j)];
+                signs_of_many(row, &self.thresholds, &mut out[..words(nx)], words(nx));
+                if self.stops_at_nan && has_nan(row) {
+                    return false;
+                }
+                if self.lattice.guard > 0 {
+                    behind_guard(out);
+                }
+            }
+        }
+        true
+    }
+}
+
+impl<T> Own<T> {
+    fn new(lattice: Lattice) -> Self {
+        Self {
+            planes: Planes::blank(lattice),
+            layout: Layout::empty(),
+            words: vec![],
+            samples: vec![],
+            scratch: Scratch::default(),
+        }
+    }
+}
+
+impl<'a, C> Left<'a, C> {
+    /// Takes room for the slices of a layout up to slice `end`, and says what is before. None if there is not
+    /// enough, or more than can be numbered.
+    fn take(&mut self, layout: &Layout, end: usize) -> Option<(Rest<'a, C>, Counts)> {
+        let (before, counts) = (self.before, layout.sum());
+        let after = Counts {
+            vertices: before.vertices + counts.vertices,
+            triangles: before.triangles + counts.triangles,
+        };
+        let is_numbered = check_size::<()>(after, layout.widest()).is_ok();
+        if !is_numbered || !self.rest.holds(counts) {
+            return None;
+        }
+        self.before = after;
+        self.singular_cells += layout.singular_cells();
+        self.filled = end;
+        Some((self.rest.split_off(counts), before))
+    }
+}
+
+/// A thread that panicked ends the sweep in any case.
+fn lock<M>(mutex: &Mutex<M>) -> MutexGuard<'_, M> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests;

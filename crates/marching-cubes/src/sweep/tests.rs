@@ -1,0 +1,175 @@
+//! The sweep against the passes: a mesh that was used before against a new one.
+
+use crate::{
+    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, Topology, extract,
+    extract_into,
+};
+use isokit_geom::Frame;
+use isokit_job::{Job, Limits, Stopped, Threads};
+use isokit_mesh::{Positions, Precision, TriMesh};
+use isokit_volume::{Grid, Sample, View, Volume};
+use proptest::prelude::*;
+use std::num::NonZeroUsize;
+
+fn job(threads: usize) -> Job {
+    let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
+    Job { threads, ..Job::default() }
+}
+
+/// A mesh that holds so much that means nothing.
+fn used(vertices: usize, triangles: usize, precision: Precision) -> TriMesh {
+    let positions = match precision {
+        Precision::F32 => Positions::F32(vec![[7.5; 3]; vertices]),
+        Precision::F64 => Positions::F64(vec![[7.5; 3]; vertices]),
+    };
+    let (normals, triangles) = (Some(vec![[0.5; 3]; vertices]), vec![[9; 3]; triangles]);
+    TriMesh { positions, normals, triangles }
+}
+
+/// Into memory of all sizes, on one thread and on several.
+#[track_caller]
+fn check<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) {
+    let expected = extract(view, iso, options, &Job::default()).unwrap();
+    let told = extract_into(view, iso, options, &mut TriMesh::with_normals().refill(), &job(1));
+    let (vertices, triangles) = (expected.positions.len(), expected.triangles.len());
+    let sizes = [
+        (vertices, triangles),
+        (2 * vertices + 9, triangles),
+        (vertices / 2, 2 * triangles + 9),
+        (vertices.max(1) - 1, triangles),
+        (vertices, triangles / 3),
+    ];
+    for (threads, (vertices, triangles)) in (0..).map(|n| 1 + n % 3).zip(sizes.repeat(2)) {
+        for precision in [Precision::F32, Precision::F64] {
+            let mut mesh = used(vertices, triangles, precision);
+            let mut refill = mesh.refill();
+            let found = extract_into(view, iso, options, &mut refill, &job(threads));
+            assert_eq!(found, told, "{options:?}");
+            drop(refill);
+            let place = format!("{vertices} {triangles} on {threads} threads, {options:?}");
+            assert!(mesh == expected, "{:?}, {iso}, into {place}", view.dims());
+        }
+    }
+}
+
+fn all_options() -> Vec<ExtractOptions> {
+    let mut all = vec![];
+    for boundary in [Boundary::Closed, Boundary::Open] {
+        for topology in [Topology::Table, Topology::Trilinear] {
+            for placement in [Placement::Linear, Placement::Cubic, Placement::Quintic] {
+                for degenerate in [Degenerate::Never, Degenerate::Exact] {
+                    let options = ExtractOptions::DEFAULT.with_boundary(boundary);
+                    let options = options.with_topology(topology).with_placement(placement);
+                    all.push(options.with_degenerate(degenerate));
+                }
+            }
+        }
+    }
+    all
+}
+
+fn volume<T: Sample>(dims: [u64; 3], sample: impl FnMut(u64) -> T) -> Volume<T> {
+    let grid = Grid::new(dims, Frame::default()).unwrap();
+    Volume::new(grid, (0..grid.count()).map(sample).collect()).unwrap()
+}
+
+/// Numbers without a pattern.
+fn chance(n: u64) -> u64 {
+    let mixed = (n + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (mixed ^ mixed >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40
+}
+
+#[test]
+fn a_ball_is_the_same_in_used_memory() {
+    for options in all_options() {
+        let dims = [20, 17, 40];
+        let ball = volume(dims, |n| {
+            let ijk = [n % 20, n / 20 % 17, n / 340].map(|i| i as f64);
+            let from = [ijk[0] - 9.5, ijk[1] - 8.0, (ijk[2] - 19.0) / 2.0];
+            (7.3 - from.iter().map(|c| c * c).sum::<f64>().sqrt()) as f32
+        });
+        check(&ball.view(), 0.0, &options);
+        check(&ball.view(), 1e9, &options);
+    }
+}
+
+#[test]
+fn chance_and_ties_are_the_same_in_used_memory_whatever_the_shape() {
+    let shapes =
+        [[1, 1, 1], [3, 3, 1], [2, 2, 2], [66, 3, 5], [5, 4, 33], [63, 2, 19], [3, 64, 18]];
+    for dims in shapes {
+        for options in all_options() {
+            check(&volume(dims, |n| (chance(n) % 5) as u8).view(), 2.0, &options);
+            check(&volume(dims, |n| chance(n) as f64).view(), 3e6, &options);
+        }
+    }
+}
+
+#[test]
+fn slices_larger_than_a_slab_are_the_same_in_used_memory() {
+    let large = volume([640, 600, 5], |n| (chance(n / 37) % 7) as f32);
+    check(&large.view(), 3.0, &ExtractOptions::DEFAULT);
+}
+
+#[test]
+fn samples_in_any_order_are_the_same_in_used_memory() {
+    let samples: Vec<i16> = (0..4000).map(|n| (chance(n) % 9) as i16).collect();
+    let grid = Grid::new([10, 8, 20], Frame::default()).unwrap();
+    for (first, strides) in [(0, [1, 10, 80]), (1999, [-1, -10, -80]), (5, [160, 1, 8])] {
+        let view = View::strided(&samples, first, strides, &grid).unwrap();
+        check(&view, 4.0, &ExtractOptions::DEFAULT);
+    }
+}
+
+#[test]
+fn samples_without_a_value_are_the_same_in_used_memory_and_forbidden_ones_an_error() {
+    for holes in [5, 700] {
+        let sample = |n| match chance(n) % holes {
+            0 => f32::NAN,
+            _ => (chance(n) % 11) as f32,
+        };
+        let volume = volume([9, 8, 24], sample);
+        for nan in [Nan::Outside, Nan::Mask] {
+            check(&volume.view(), 5.0, &ExtractOptions::DEFAULT.with_nan(nan));
+        }
+        let options = ExtractOptions::DEFAULT.with_nan(Nan::Error);
+        let mut mesh = used(9000, 9000, Precision::F32);
+        let found = extract_into(&volume.view(), 5.0, &options, &mut mesh.refill(), &job(2));
+        let count = volume.samples().iter().filter(|sample| sample.is_nan()).count() as u64;
+        assert!(matches!(found, Err(ExtractError::Nan { count: n, .. }) if n == count));
+    }
+}
+
+#[test]
+fn who_cancels_or_allows_too_little_is_heard() {
+    let volume = volume([8, 8, 30], |n| (chance(n) % 5) as u8);
+    let into_used = |job: &Job| {
+        let mut mesh = used(90_000, 90_000, Precision::F32);
+        let options = &ExtractOptions::DEFAULT;
+        extract_into(&volume.view(), 2.0, options, &mut mesh.refill(), job).unwrap_err()
+    };
+    let cancelled = job(2);
+    cancelled.cancel.cancel();
+    assert!(matches!(into_used(&cancelled), ExtractError::Stopped(Stopped::Cancelled(_))));
+    let small = Job { limits: Limits { bytes: 1000 }, ..job(2) };
+    assert!(matches!(into_used(&small), ExtractError::Stopped(Stopped::OverLimit(_))));
+}
+
+proptest! {
+    #[test]
+    fn any_volume_is_the_same_in_memory_of_any_size(
+        dims in [1..70_u64, 1..6_u64, 1..40_u64],
+        values in 2..300_u64,
+        seed in any::<u64>(),
+        held in (0..4000_usize, 0..8000_usize),
+        threads in 1..4_usize,
+        option in 0..24_usize,
+    ) {
+        let volume = volume(dims, |n| (chance(n ^ seed) % values) as u16);
+        let (view, iso, options) = (volume.view(), values as f64 / 2.0, &all_options()[option]);
+        let expected = extract(&view, iso, options, &Job::default()).unwrap();
+        let mut mesh = used(held.0, held.1, Precision::F32);
+        extract_into(&view, iso, options, &mut mesh.refill(), &job(threads)).unwrap();
+        prop_assert!(mesh == expected);
+    }
+}
