@@ -1,7 +1,10 @@
 //! How many vertices and triangles rows make.
 
-use crate::{BitRows, Level, WORD, Word, euler::triangles};
+use crate::{BitRows, Level, WORD, Word, euler::triangles, word::open_words_of_rows_at};
 use std::ops::Range;
+
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 /// Vertices on the edges that a row owns, along x, y and z, and triangles of its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,20 +25,44 @@ pub struct RowCounts {
 ///
 /// If there are no such rows, or `out` has not room for exactly those.
 pub fn count_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    count_rows_at(Level::current(), bits, rows, out);
+    count_rows_at(Level::current(), bits, rows, out, None);
 }
 
-fn count_rows_at(level: Level, bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+/// The same, and the words that hold an [open](Word::open) cell, row by row, into `open`. Their lists of cut edges
+/// are left empty.
+///
+/// # Panics
+///
+/// As [`count_rows`].
+pub fn count_rows_with_open(
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    out: &mut [RowCounts],
+    open: &mut Vec<Word>,
+) {
+    count_rows_at(Level::current(), bits, rows, out, Some(open));
+}
+
+fn count_rows_at(
+    level: Level,
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    out: &mut [RowCounts],
+    open: Option<&mut Vec<Word>>,
+) {
     assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
     assert_eq!(rows.len(), out.len(), "a count for each row");
     out.fill(RowCounts::default());
+    #[cfg(target_arch = "x86_64")]
+    if level == Level::Avx512 {
+        level.assert_available();
+        // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+        return unsafe { wide::count_rows(bits, rows, out, open) };
+    }
+    if let Some(open) = open {
+        open_words_of_rows_at(level, bits, rows.clone(), open);
+    }
     match level {
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => {
-            level.assert_available();
-            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { count_rows_avx512(bits, rows, out) }
-        }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 => {
             level.assert_available();
@@ -52,18 +79,10 @@ fn count_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]
     count_rows_plain(bits, rows, out);
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
-)]
-fn count_rows_avx512(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    count_rows_plain(bits, rows, out);
-}
-
 /// Words that are counted before they are added to their rows.
 const BLOCK: usize = 512;
 
-/// The one loop for all levels, which the compiler makes as wide as it may.
+/// The loop of the lower levels, which the compiler makes as wide as it may.
 #[inline(always)]
 fn count_rows_plain(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
     let words = bits.words();
@@ -110,8 +129,14 @@ fn count_block(rows: [&[u64]; 4], cells: &[u64; BLOCK], packed: &mut [u64]) {
 
 #[inline(always)]
 fn count_word(words: [u64; 4], next: [u64; 4], cells: u64) -> u64 {
-    let with_high = |n: usize| [words[n], words[n] >> 1 | next[n] << (WORD - 1)];
-    let corners = [with_high(0), with_high(1), with_high(2), with_high(3)];
+    let high = |n: usize| words[n] >> 1 | next[n] << (WORD - 1);
+    count_corners(words, [high(0), high(1), high(2), high(3)], cells)
+}
+
+/// Counts 64 cells of which the corners at low and high x are given.
+#[inline(always)]
+fn count_corners(words: [u64; 4], high: [u64; 4], cells: u64) -> u64 {
+    let corners = [0, 1, 2, 3].map(|n| [words[n], high[n]]);
     let x = u64::from(((corners[0][0] ^ corners[0][1]) & cells).count_ones());
     let y = u64::from((words[0] ^ words[1]).count_ones());
     let z = u64::from((words[0] ^ words[2]).count_ones());
@@ -184,11 +209,17 @@ mod tests {
                 words_of_rows(&bits, own.clone(), &mut words);
                 let mut expected = vec![RowCounts::default(); own.len()];
                 words.iter().for_each(|w| define(w, &table, &mut expected[w.row - own.start]));
+                words.retain(|word| word.open() != 0);
+                words.iter_mut().for_each(|word| word.cuts = [0; 8]);
+                let mut open = vec![];
                 for &level in Level::available() {
                     let mut found = vec![RowCounts { x: 7, ..RowCounts::default() }; own.len()];
-                    count_rows_at(level, &bits, own.clone(), &mut found);
+                    count_rows_at(level, &bits, own.clone(), &mut found, None);
                     assert_eq!(found, expected, "{level}, {points} points");
+                    count_rows_at(level, &bits, own.clone(), &mut found, Some(&mut open));
+                    assert_eq!((&found, &open), (&expected, &words), "{level}, {points} points");
                 }
+                words_of_rows(&bits, own.clone(), &mut words);
                 let mut found = vec![RowCounts::default(); rows];
                 count_words(&words, &mut found);
                 assert_eq!(found[own.start..], expected, "{points} points");

@@ -86,7 +86,7 @@ fn triangles_plain(
         while active != 0 {
             let cell = active.trailing_zeros();
             active &= active - 1;
-            let ids = next.ids(word, cell);
+            let ids = next.ids_plain(word, cell);
             let case = usize::from(word.case(cell));
             let end = filled + usize::from(table.counts[case]);
             let edges = table.edges[case].as_chunks::<3>().0;
@@ -95,7 +95,7 @@ fn triangles_plain(
             }
             filled = end;
         }
-        next.pass(word);
+        next.pass_plain(word);
     }
     filled
 }
@@ -103,8 +103,18 @@ fn triangles_plain(
 impl FirstVertices {
     /// The vertices on the twelve edges of a cell, and four zeros. An edge that is not cut has a number
     /// of no meaning.
-    #[inline(always)]
     pub fn ids(&self, word: &Word, cell: u32) -> [u32; 16] {
+        #[cfg(target_arch = "x86_64")]
+        if Level::current() > Level::Portable {
+            Level::Avx2.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            return unsafe { wide::ids(self, word, cell) };
+        }
+        self.ids_plain(word, cell)
+    }
+
+    #[inline(always)]
+    fn ids_plain(&self, word: &Word, cell: u32) -> [u32; 16] {
         let before = (1_u64 << cell) - 1;
         let at = |first: u32, cuts: u64| first.wrapping_add((cuts & before).count_ones());
         let pair = |first: u32, cuts: u64| {
@@ -119,8 +129,18 @@ impl FirstVertices {
     }
 
     /// Leaves a word behind: from now on the numbers are those of the first vertices after it.
-    #[inline(always)]
     pub fn pass(&mut self, word: &Word) {
+        #[cfg(target_arch = "x86_64")]
+        if Level::current() > Level::Portable {
+            Level::Avx2.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            return unsafe { wide::pass(self, word) };
+        }
+        self.pass_plain(word);
+    }
+
+    #[inline(always)]
+    fn pass_plain(&mut self, word: &Word) {
         let advance = |next: &mut [u32], cuts: &[u64]| {
             for (next, cuts) in next.iter_mut().zip(cuts) {
                 *next = next.wrapping_add(cuts.count_ones());
@@ -145,6 +165,16 @@ mod wide {
         out: &mut [[u32; 3]],
     ) -> usize {
         triangles_plain(words, first, table, out)
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    pub(super) fn ids(first: &FirstVertices, word: &Word, cell: u32) -> [u32; 16] {
+        first.ids_plain(word, cell)
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    pub(super) fn pass(next: &mut FirstVertices, word: &Word) {
+        next.pass_plain(word);
     }
 
     /// The eight lists are the lanes of one register: a population count gives all eight numbers of a

@@ -223,7 +223,8 @@ pub(crate) fn words_of_rows_at(
     }
 }
 
-/// The words of some rows that hold an [open](Word::open) cell, row by row, into `out`.
+/// The words of some rows that hold an [open](Word::open) cell, row by row, into `out`. Their lists of cut edges
+/// are left empty.
 ///
 /// # Panics
 ///
@@ -232,7 +233,7 @@ pub fn open_words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<
     open_words_of_rows_at(Level::current(), bits, rows, out);
 }
 
-fn open_words_of_rows_at(
+pub(crate) fn open_words_of_rows_at(
     level: Level,
     bits: &BitRows<'_>,
     rows: Range<usize>,
@@ -249,7 +250,7 @@ fn open_words_of_rows_at(
         }
         _ => bits.each_word(rows, |word| {
             if word.open() != 0 {
-                out.push(*word);
+                out.push(Word { cuts: [0; 8], ..*word });
             }
         }),
     }

@@ -162,7 +162,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         lattice,
         thresholds,
         stops_at_nan: options.nan != Nan::Outside && !T::DTYPE.is_integer(),
-        values: Values::new(*view, iso, lattice.guard),
+        values: Values::new(*view, iso, lattice.guard).at_hand(),
         decides: options.topology == Topology::Trilinear,
         placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
         winding: Winding::of(view.frame()),

@@ -14,7 +14,9 @@ use crate::{
     trilinear::{SpecialCells, Values},
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{Word, count_rows, count_words, exactly, open_words_of_rows, words_of_rows};
+use isokit_lanes::{
+    Word, count_rows, count_rows_with_open, count_words, exactly, open_words_of_rows, words_of_rows,
+};
 use isokit_mesh::Counts;
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -82,20 +84,15 @@ impl Layout {
             let slices = slab.chunks_exact_mut(ny).enumerate();
             let counts = slices.map(|(n, slice)| {
                 let z = task * layers_per_task + n;
-                let mut special = SpecialCells::default();
                 if z < own.start || z > own.end {
-                    return (Counts::default(), special);
-                }
-                if !done[z] {
-                    counting.slice(z, slice, &mut scratch);
+                    return <_>::default();
                 }
                 if z == own.end {
+                    counting.slice::<T>((z, done[z]), slice, None, &mut scratch);
                     slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
-                    return (Counts::default(), special);
+                    return <_>::default();
                 }
-                if let Some(values) = values {
-                    special = exactly(|| counting.special(values, z, slice, &mut scratch));
-                }
+                let special = exactly(|| counting.slice((z, done[z]), slice, values, &mut scratch));
                 job.progress.advance(1);
                 (counts_of(slice, &special), special)
             });
@@ -140,13 +137,12 @@ impl Layout {
         self.slices.clear();
         self.special.clear();
         for (z, slice) in (own.start..).zip(self.rows.chunks_exact_mut(ny)) {
-            counting.slice(z, slice, scratch);
             if z == own.end {
+                counting.slice::<T>((z, false), slice, None, scratch);
                 slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
                 break;
             }
-            let special = values.map(|values| counting.special(values, z, slice, scratch));
-            let special = special.unwrap_or_default();
+            let special = counting.slice((z, false), slice, values, scratch);
             self.slices.push(counts_of(slice, &special));
             self.special.push(special);
         }
@@ -268,40 +264,36 @@ struct Counting<'a> {
 }
 
 impl Counting<'_> {
-    /// Counts what the rows of slice `z` make.
-    fn slice(&self, z: usize, slice: &mut [Row], scratch: &mut Vec<Word>) {
-        if self.skips(z) {
-            return;
-        }
-        let rows = 0..slice.len();
-        if self.takes_all() {
-            count_rows(&self.planes.inside.slices(z), rows, slice);
-        } else {
-            words(self.planes, self.live, rows, z, scratch);
-            count_words(scratch, slice);
-        }
-    }
-
-    /// Finds the special cells of a slice, and takes their triangles from its rows.
-    fn special<T: Sample>(
+    /// Counts what the rows of slice `z` make, unless they are counted already. With values, finds the special
+    /// cells, and takes their triangles from the rows.
+    fn slice<T: Sample>(
         &self,
-        values: &Values<'_, T>,
-        z: usize,
+        (z, is_counted): (usize, bool),
         slice: &mut [Row],
+        values: Option<&Values<'_, T>>,
         scratch: &mut Vec<Word>,
     ) -> SpecialCells {
         let mut special = SpecialCells::default();
         if self.skips(z) {
             return special;
         }
-        let rows = 0..slice.len();
-        match self.takes_all() {
-            true => open_words_of_rows(&self.planes.inside.slices(z), rows, scratch),
-            false => words(self.planes, self.live, rows, z, scratch),
+        let (bits, rows) = (self.planes.inside.slices(z), 0..slice.len());
+        match (self.takes_all(), is_counted, values) {
+            (true, true, None) => {}
+            (true, false, None) => count_rows(&bits, rows, slice),
+            (true, true, Some(_)) => open_words_of_rows(&bits, rows, scratch),
+            (true, false, Some(_)) => count_rows_with_open(&bits, rows, slice, scratch),
+            // Such slices are never counted before.
+            (false, ..) => {
+                words(self.planes, self.live, rows, z, scratch);
+                count_words(scratch, slice);
+            }
         }
-        special.look_at(values, (z, scratch), |row, case| {
-            slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
-        });
+        if let Some(values) = values {
+            special.look_at(values, (z, scratch), |row, case| {
+                slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
+            });
+        }
         special.shrunk()
     }
 

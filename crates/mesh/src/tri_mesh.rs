@@ -157,6 +157,19 @@ impl TriMesh {
         reserve(&mut self.triangles, triangles, kept);
     }
 
+    /// What there is memory for behind the first `held` without much clearing of it.
+    fn spare(&self, held: Counts) -> Counts {
+        let positions = match &self.positions {
+            Positions::F32(all) => spare(all),
+            Positions::F64(all) => spare(all),
+        };
+        let vertices = self.normals.as_ref().map_or(positions, |all| positions.min(spare(all)));
+        Counts {
+            vertices: (vertices as u64).saturating_sub(held.vertices),
+            triangles: (spare(&self.triangles) as u64).saturating_sub(held.triangles),
+        }
+    }
+
     /// Room for `more` behind the first `held`.
     fn grown(&mut self, held: Counts, more: Counts) -> Piece<'_> {
         let (vertices, more_vertices) = (held.vertices as usize, more.vertices as usize);
@@ -212,16 +225,10 @@ impl MeshSink for Refill<'_> {
         Ok(self.mesh.room(held, counts, precision))
     }
 
-    /// What the mesh held before.
+    /// What the mesh held before, and a little more where there is memory.
     fn spare(&mut self, precision: Precision) -> Option<Piece<'_>> {
         self.mesh.make(precision);
-        let Counts { vertices, triangles } = self.mesh.counts();
-        let normals = self.mesh.normals.as_ref().map_or(vertices, |normals| normals.len() as u64);
-        let held = self.filled;
-        let more = Counts {
-            vertices: vertices.min(normals).saturating_sub(held.vertices),
-            triangles: triangles.saturating_sub(held.triangles),
-        };
+        let (held, more) = (self.filled, self.mesh.spare(self.filled));
         self.is_lent = more != Counts::default();
         self.is_lent.then(|| self.mesh.grown(held, more))
     }
@@ -242,6 +249,12 @@ fn reserve<T: Copy + Default>(all: &mut Vec<T>, count: usize, kept: usize) {
         new[..kept].copy_from_slice(&all[..kept]);
         *all = new;
     }
+}
+
+/// So many items there are, and an eighth more if there is memory: the next surface is seldom of the same size,
+/// and what no item was in yet must be cleared.
+fn spare<T>(all: &Vec<T>) -> usize {
+    all.capacity().min(all.len() + all.len() / 8)
 }
 
 /// The `more` items behind the first `held`. What is there already keeps its content, to be overwritten:

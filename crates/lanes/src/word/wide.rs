@@ -1,15 +1,15 @@
 //! Eight words in a register, of one row or of several.
 
 use super::{BitRows, FACES, WORD, Word};
-use std::{arch::x86_64::*, ops::Range};
+use std::{arch::x86_64::*, iter, ops::Range};
 
 /// Eight neighbouring words of rows of cells, or as many as there are.
 #[derive(Clone, Copy)]
 pub(crate) struct Eight {
     /// The low-x corners of the four rows; behind the last word zeros.
-    low: [__m512i; 4],
-    high: [__m512i; 4],
-    cells: __m512i,
+    pub(crate) low: [__m512i; 4],
+    pub(crate) high: [__m512i; 4],
+    pub(crate) cells: __m512i,
     /// The crossed cells.
     pub(crate) active: __m512i,
     /// The words that are not blank.
@@ -60,6 +60,43 @@ impl Eight {
         let even = _mm512_andnot_si512(uneven, self.active);
         let open = _mm512_or_si512(even, _mm512_and_si512(ambiguous, self.active));
         _mm512_test_epi64_mask(open, open)
+    }
+
+    /// Adds those of the words that are not blank.
+    #[inline]
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+    fn push_words(&self, out: &mut Vec<Word>) {
+        let (corners, cuts, active) = (self.corners(), self.cuts(), words(self.active));
+        for n in Self::each(self.found) {
+            let (corners, cuts) = (words(corners[n]), words(cuts[n]));
+            let [row, w] = self.place(n);
+            out.push(Word { corners, cuts, active: active[n], row, first: WORD * w });
+        }
+    }
+
+    /// Adds those of the words that hold an open cell, without their cut edges.
+    #[inline]
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+    pub(crate) fn push_open_words(&self, out: &mut Vec<Word>) {
+        let open = self.open();
+        if open != 0 {
+            let (corners, active) = (self.corners(), words(self.active));
+            for n in Self::each(open) {
+                let [row, w] = self.place(n);
+                let (corners, first) = (words(corners[n]), WORD * w);
+                out.push(Word { corners, cuts: [0; 8], active: active[n], row, first });
+            }
+        }
+    }
+
+    /// The places of the bits that are set.
+    #[inline(always)]
+    fn each(mut wanted: u8) -> impl Iterator<Item = usize> {
+        iter::from_fn(move || {
+            let n = wanted.trailing_zeros() as usize;
+            wanted &= wanted.wrapping_sub(1);
+            (n < 8).then_some(n)
+        })
     }
 
     /// The eight lists of cut edges of each word.
@@ -235,34 +272,26 @@ pub(crate) fn words(register: __m512i) -> [u64; 8] {
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
 pub(super) fn words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::new(bits, rows), out, |eight| eight.found);
-}
-
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-pub(super) fn open_words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::new(bits, rows), out, |eight| eight.open());
+    push_words(Eights::new(bits, rows), out);
 }
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
 pub(super) fn words_of_run(bits: &BitRows<'_>, row: usize, run: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::of_run(bits, row, run), out, |eight| eight.found);
+    push_words(Eights::of_run(bits, row, run), out);
 }
 
 #[inline]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-fn push_words(mut eights: Eights<'_>, out: &mut Vec<Word>, wanted: impl Fn(&Eight) -> u8) {
+fn push_words(mut eights: Eights<'_>, out: &mut Vec<Word>) {
     while let Some(eight) = eights.next() {
-        let mut found = wanted(&eight);
-        if found == 0 {
-            continue;
-        }
-        let (corners, cuts, active) = (eight.corners(), eight.cuts(), words(eight.active));
-        while found != 0 {
-            let n = found.trailing_zeros() as usize;
-            found &= found - 1;
-            let [row, w] = eight.place(n);
-            let (corners, cuts) = (words(corners[n]), words(cuts[n]));
-            out.push(Word { corners, cuts, active: active[n], row, first: WORD * w });
-        }
+        eight.push_words(out);
+    }
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+pub(super) fn open_words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
+    let mut eights = Eights::new(bits, rows);
+    while let Some(eight) = eights.next() {
+        eight.push_open_words(out);
     }
 }

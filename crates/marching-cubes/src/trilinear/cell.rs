@@ -5,7 +5,7 @@ use super::{
     number::{Unit, ask},
     table::{AMBIGUOUS, Resolved, resolved},
 };
-use isokit_geom::cube::{Edge, Face};
+use isokit_geom::cube::Face;
 use isokit_lanes::{Samples, Word};
 use isokit_volume::{Sample, View};
 use std::cmp::Ordering;
@@ -21,7 +21,8 @@ pub(crate) struct Values<'a, T> {
     scale: f64,
     guard: usize,
     unit: Unit,
-    samples: Option<Samples<'a, T>>,
+    /// What is asked for before it is read, where no cache may hold it.
+    expected: Option<Samples<'a, T>>,
 }
 
 impl<'a, T: Sample> Values<'a, T> {
@@ -31,12 +32,17 @@ impl<'a, T: Sample> Values<'a, T> {
         let greatest = 970.0_f64.exp2();
         let scale = if iso.abs() < greatest { 1.0 } else { 0.25 };
         let unit = Unit::of(&view, iso);
-        Self { view, iso, scale, guard, unit, samples: view.samples() }
+        Self { view, iso, scale, guard, unit, expected: view.samples() }
+    }
+
+    /// The same, of samples that are in the cache.
+    pub(crate) fn at_hand(self) -> Self {
+        Self { expected: None, ..self }
     }
 
     /// Says that the open cells of some words of slice `z` will soon be asked for.
     pub(super) fn expect(&self, z: usize, words: &[Word]) {
-        if let Some(samples) = &self.samples {
+        if let Some(samples) = &self.expected {
             for (y, z) in [(0, z), (1, z), (0, z + 1), (1, z + 1)] {
                 samples.prefetch([0, y, z].map(|n| self.sample(n)), words, Word::open);
             }
@@ -108,12 +114,6 @@ impl Cell {
         self.code >> k & 1 == 1
     }
 
-    /// Whether the surface crosses an edge.
-    pub(super) fn crosses(&self, edge: Edge) -> bool {
-        let [a, b] = edge.ends().map(|corner| self.is_inside(corner.index()));
-        a != b
-    }
-
     /// The row of the table for this cell with these faces joined.
     pub(super) fn resolved(&self, joined: u8) -> &'static Resolved {
         resolved(self.code, joined)
@@ -127,18 +127,19 @@ impl Cell {
     /// The same with slices across a given axis.
     pub(super) fn verdict_along(&self, axis: usize) -> Verdict {
         let mut verdict = Verdict { joined: 0, tunnel: None, is_singular: false };
+        let short = self.unit.short(self.values);
         let mut rest = AMBIGUOUS[usize::from(self.code)];
         while rest != 0 {
             let face = rest.trailing_zeros() as u8;
             rest &= rest - 1;
-            let saddle = self.saddle(Face::new(face));
+            let saddle = self.saddle(Face::new(face), short);
             verdict.joined |= u8::from(saddle != Ordering::Less) << face;
             verdict.is_singular |= saddle == Ordering::Equal;
         }
         let row = self.resolved(verdict.joined);
         // Where some corner has no finite value nothing is joined in the interior.
         if row.discs.len() > 1 && self.known == u8::MAX {
-            self.look_inside(axis, row, &mut verdict);
+            self.look_inside(axis, row, short, &mut verdict);
         }
         verdict
     }
@@ -147,7 +148,7 @@ impl Cell {
     ///
     /// A corner that is outside without a finite value is infinitely low, and keeps the inside apart;
     /// where there is none, one inside that is infinite joins it.
-    fn saddle(&self, face: Face) -> Ordering {
+    fn saddle(&self, face: Face, short: Option<[i64; 8]>) -> Ordering {
         let mut corners = face.corners().map(|k| k.index());
         if !self.is_inside(corners[0]) {
             corners.rotate_left(1);
@@ -160,11 +161,18 @@ impl Cell {
         if !(is_known(a) && is_known(c)) {
             return Ordering::Greater;
         }
-        ask(&Saddle, corners.map(|k| self.values[k]), self.unit)
+        let short = short.map(|short| corners.map(|k| short[k]));
+        ask(&Saddle, corners.map(|k| self.values[k]), short)
     }
 
-    fn look_inside(&self, axis: usize, row: &Resolved, verdict: &mut Verdict) {
-        let Some(body) = ask(&Interior { axis }, self.values, self.unit) else { return };
+    fn look_inside(
+        &self,
+        axis: usize,
+        row: &Resolved,
+        short: Option<[i64; 8]>,
+        verdict: &mut Verdict,
+    ) {
+        let Some(body) = ask(&Interior { axis }, self.values, short) else { return };
         verdict.is_singular |= body.value == Ordering::Equal;
         let low = around(axis);
         let ends = [low[body.first], low[body.first + 2]].map(|k| {

@@ -115,14 +115,13 @@ impl Question<8> for Interior {
 #[cfg(test)]
 mod tests {
     use super::{Interior, Saddle};
-    use crate::trilinear::number::{Unit, ask};
+    use crate::trilinear::number::ask;
     use std::cmp::Ordering;
 
     #[test]
     fn a_saddle_on_the_isovalue_is_a_tie_at_any_scale() {
         for scale in [1.0, 1e-310, 1e300] {
-            let of =
-                |values: [f64; 4]| ask(&Saddle, values.map(|value| value * scale), Unit::UNKNOWN);
+            let of = |values: [f64; 4]| ask(&Saddle, values.map(|value| value * scale), None);
             assert_eq!(of([3.0, -2.0, 4.0, -6.0]), Ordering::Equal);
             assert_eq!(of([3.0, -2.0, 4.5, -6.0]), Ordering::Greater);
             assert_eq!(of([3.0, -2.5, 4.0, -6.0]), Ordering::Less);
@@ -136,7 +135,7 @@ mod tests {
             let mut values = [rest; 8];
             (values[0], values[7]) = (1.0, 1.0);
             for axis in 0..3 {
-                let found = ask(&Interior { axis }, values, Unit::UNKNOWN);
+                let found = ask(&Interior { axis }, values, None);
                 let joins = found.filter(|body| body.is_inside).map(|body| body.joins());
                 assert_eq!(joins.filter(|&joins| joins), expected, "{rest}, axis {axis}");
             }
@@ -153,13 +152,11 @@ mod tests {
         });
         let ties = values.map(|value: f64| (value * 3.0).round());
         for axis in 0..3 {
-            let body = ask(&Interior { axis }, ties, Unit::UNKNOWN).unwrap();
+            let body = ask(&Interior { axis }, ties, None).unwrap();
             assert_eq!(body.value, Ordering::Equal, "axis {axis}");
-            let lifted =
-                ask(&Interior { axis }, ties.map(|value| value + 1e-9), Unit::UNKNOWN).unwrap();
+            let lifted = ask(&Interior { axis }, ties.map(|value| value + 1e-9), None).unwrap();
             assert!(lifted.is_inside && lifted.joins(), "axis {axis}");
-            let lowered =
-                ask(&Interior { axis }, ties.map(|value| value - 1e-9), Unit::UNKNOWN).unwrap();
+            let lowered = ask(&Interior { axis }, ties.map(|value| value - 1e-9), None).unwrap();
             assert!(!(lowered.is_inside && lowered.joins()), "axis {axis}");
         }
     }

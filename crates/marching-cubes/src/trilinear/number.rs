@@ -54,21 +54,22 @@ impl Unit {
 
     /// The values in this unit, where they are short.
     #[inline(always)]
-    fn short<const N: usize>(self, values: [f64; N]) -> Option<[i64; N]> {
+    pub(super) fn short<const N: usize>(self, values: [f64; N]) -> Option<[i64; N]> {
         let values = values.map(|value| value * self.0.unwrap_or(f64::NAN));
         let is_short = values.iter().all(|value| value.abs() < Self::GREATEST);
         is_short.then(|| values.map(|value| value as i64))
     }
 }
 
-/// The answer, which no rounding has part in. All values must be finite.
+/// The answer, which no rounding has part in. All values must be finite, and `short` those that a
+/// [`Unit`] makes of them.
 #[inline]
 pub(super) fn ask<const N: usize, Q: Question<N>>(
     question: &Q,
     values: [f64; N],
-    unit: Unit,
+    short: Option<[i64; N]>,
 ) -> Q::Answer {
-    if let Some(answer) = unit.short(values).and_then(|short| question.answer(short)) {
+    if let Some(answer) = short.and_then(|short| question.answer(short)) {
         return answer;
     }
     let near = values.map(|value| Near { value, error: 0.0 });
@@ -251,11 +252,11 @@ mod tests {
     fn a_difference_that_vanishes_is_found_to_vanish_at_any_scale() {
         for scale in [1.0, 1e-300, 1e300, f64::from_bits(1), 0.1] {
             let [a, b] = [3.0 * scale, 5.0 * scale];
-            let found = ask(&Determinant, [a, a, b, b], Unit::UNKNOWN);
+            let found = ask(&Determinant, [a, a, b, b], None);
             assert_eq!(found, [Ordering::Equal; 2], "{scale:e}");
-            let found = ask(&Determinant, [a.next_up(), a, b, b], Unit::UNKNOWN);
+            let found = ask(&Determinant, [a.next_up(), a, b, b], None);
             assert_eq!(found[0], Ordering::Greater, "{scale:e}");
-            let found = ask(&Determinant, [-a.next_up(), -a, b, b], Unit::UNKNOWN);
+            let found = ask(&Determinant, [-a.next_up(), -a, b, b], None);
             assert_eq!(found[0], Ordering::Less, "{scale:e}");
         }
     }
@@ -263,12 +264,9 @@ mod tests {
     #[test]
     fn the_greatest_and_the_least_number_there_are_can_meet() {
         let (huge, tiny) = (f64::MAX, f64::from_bits(1));
-        assert_eq!(
-            ask(&Determinant, [huge, tiny, tiny, huge], Unit::UNKNOWN)[0],
-            Ordering::Greater
-        );
-        assert_eq!(ask(&Determinant, [huge, huge, tiny, tiny], Unit::UNKNOWN)[0], Ordering::Equal);
-        assert_eq!(ask(&Determinant, [tiny, huge, tiny, tiny], Unit::UNKNOWN)[0], Ordering::Less);
+        assert_eq!(ask(&Determinant, [huge, tiny, tiny, huge], None)[0], Ordering::Greater);
+        assert_eq!(ask(&Determinant, [huge, huge, tiny, tiny], None)[0], Ordering::Equal);
+        assert_eq!(ask(&Determinant, [tiny, huge, tiny, tiny], None)[0], Ordering::Less);
     }
 
     #[test]
@@ -308,12 +306,12 @@ mod tests {
             let unit = f64::from(unit);
             let values = values.map(|value| f64::from(value >> shift) / unit);
             let both = |values| [Unit(Some(unit)), Unit::UNKNOWN].map(|unit| {
-                ask(&Interior { axis }, values, unit)
+                ask(&Interior { axis }, values, unit.short(values))
             });
             let [short, long] = both(values);
             prop_assert_eq!(short, long);
             let [a, b, c, d, ..] = values;
-            let both = |values| [Unit(Some(unit)), Unit::UNKNOWN].map(|unit| ask(&Saddle, values, unit));
+            let both = |values| [Unit(Some(unit)), Unit::UNKNOWN].map(|unit| ask(&Saddle, values, unit.short(values)));
             let [short, long] = both([a, b, c, d]);
             prop_assert_eq!(short, long);
         }

@@ -78,22 +78,33 @@ impl Patch {
     }
 
     /// Adds the triangles of the tube to `out`; the vertices of the waist are [`CENTRE`] and those after it.
-    /// `distance` is between an edge's crossing and a vertex of the waist: of the ways to turn the waist the one
-    /// with the least sum of distances is taken.
-    pub(super) fn bridge(&self, distance: impl Fn(u8, usize) -> f64, out: &mut Vec<[u8; 3]>) {
+    /// `distances` are those of an edge's crossing from the vertices of the waist: of the ways to turn the waist
+    /// the one with the least sum of distances is taken.
+    pub(super) fn bridge(&self, distances: impl Fn(u8) -> [f64; WAIST], out: &mut Vec<[u8; 3]>) {
         let Some(rings) = self.tube() else { return };
-        let length = |ring: &[u8], turn: Turn| -> f64 {
-            strip(ring, turn).map(|step| distance(ring[step.edge], step.waist)).sum()
-        };
-        let best = |ring: &[u8], is_reversed: bool| {
-            let turns = (0..WAIST).map(|first| Turn { first, is_reversed });
-            let measured = turns.map(|turn| (length(ring, turn), turn));
+        let distances = rings.map(|ring| {
+            let mut twice_around = [[0.0; 2 * WAIST]; 12];
+            for (&edge, both) in ring.iter().zip(&mut twice_around) {
+                let once = distances(edge);
+                both[..WAIST].copy_from_slice(&once);
+                both[WAIST..].copy_from_slice(&once);
+            }
+            twice_around
+        });
+        let best = |end: usize, is_reversed: bool| {
+            let mut lengths = [0.0; WAIST];
+            for step in strip(rings[end], Turn { first: 0, is_reversed }) {
+                // With another first vertex the same step is at a vertex so much later.
+                let later = &distances[end][step.edge][step.waist..step.waist + WAIST];
+                lengths.iter_mut().zip(later).for_each(|(sum, distance)| *sum += distance);
+            }
+            let turns = (0..WAIST).map(|first| (lengths[first], Turn { first, is_reversed }));
             // Of equal ones the first.
-            measured.reduce(|best, next| if next.0 < best.0 { next } else { best })
+            turns.reduce(|best, next| if next.0 < best.0 { next } else { best })
         };
         // Along one of the loops the waist runs as it does, along the other against that.
         let ways = [[false, true], [true, false]].map(|ways| {
-            let ends = [best(rings[0], ways[0]), best(rings[1], ways[1])];
+            let ends = [best(0, ways[0]), best(1, ways[1])];
             ends.map(|end| end.expect("a waist has vertices"))
         });
         let [one, other] = ways.map(|[a, b]| a.0 + b.0);

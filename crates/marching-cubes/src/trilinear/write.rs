@@ -36,23 +36,27 @@ pub(crate) struct SpecialWriter<'a, T, C> {
 /// A special cell in the making.
 #[derive(Debug, Default)]
 pub(crate) struct Filling {
-    triangles: Vec<[u8; 3]>,
+    /// The triangles of a tube.
+    tube: Vec<[u8; 3]>,
     inner: [[f64; 3]; WAIST],
-    /// Where the edges are crossed, where anybody asks.
-    crossings: [[f64; 3]; 12],
 }
 
 impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
     /// Writes those of some rows, and takes them out of the rows' words. `first` gives the first vertices of
     /// a row.
     pub(crate) fn rows(&mut self, words: &mut [Word], first: impl Fn(usize) -> FirstVertices) {
-        for row in words.chunk_by_mut(|a, b| a.row == b.row) {
-            let y = row[0].row as u32;
-            let mut next = match self.cells.first() {
-                Some(cell) if cell.y == y => first(row[0].row),
-                Some(_) => continue,
-                None => return,
-            };
+        let mut words = words;
+        while let Some(&Special { y, .. }) = self.cells.first() {
+            // Few rows have one.
+            let before = words.partition_point(|word| word.row < y as usize);
+            words = &mut words[before..];
+            let row = words.partition_point(|word| word.row == y as usize);
+            if row == 0 {
+                return;
+            }
+            let (row, later) = words.split_at_mut(row);
+            words = later;
+            let mut next = first(y as usize);
             for word in row {
                 let own = |cell: &Special| {
                     cell.y == y && (cell.x as usize) < word.first + u64::BITS as usize
@@ -64,6 +68,9 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
                     word.active &= !(1 << n);
                     self.cell(special, word.case(n), &next.ids(word, n));
                 }
+                if self.cells.first().is_none_or(|cell| cell.y != y) {
+                    break;
+                }
                 next.pass(word);
             }
         }
@@ -73,9 +80,8 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
         let low = [special.x as usize, special.y as usize, self.z];
         let patch = Patch::new(code, special.joined, special.tunnel);
         let count = patch.vertices();
-        let triangles = &mut self.filling.triangles;
-        triangles.clear();
-        patch.discs().for_each(|disc| triangles.extend(disc.triangles));
+        let tube = &mut self.filling.tube;
+        tube.clear();
         if count > 0 {
             let (cell, samples) = (self.values.cell(code, low), low.map(|i| self.values.sample(i)));
             self.inner(&cell, &patch, (special.tunnel, samples));
@@ -85,67 +91,69 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
             Some(inner) => first + u32::from(inner),
             None => ids[usize::from(name)],
         };
-        let triangles = &self.filling.triangles;
-        let out = split_off(&mut self.triangles, triangles.len());
-        for (out, triangle) in out.iter_mut().zip(triangles) {
+        let discs = patch.discs().flat_map(|disc| disc.triangles);
+        for triangle in discs.chain(&self.filling.tube) {
             let [a, b, c] = triangle.map(number);
-            *out = if self.winding == Winding::Kept { [a, b, c] } else { [a, c, b] };
+            let turned = if self.winding == Winding::Kept { [a, b, c] } else { [a, c, b] };
+            split_off(&mut self.triangles, 1)[0] = turned;
         }
         self.next += count as u32;
     }
 
     /// The interior vertices of a cell, and the triangles of its tube.
     fn inner(&mut self, cell: &Cell, patch: &Patch, (tunnel, low): (Option<[u8; 2]>, [u32; 3])) {
-        let filling = &mut self.filling;
-        for edge in Edge::all() {
+        let crossing = |edge: u8| {
+            let edge = Edge::new(edge);
             let (corner, axis) = (edge.ends()[0].offset(), edge.axis());
+            let mut place = corner.map(|i| i as f64);
             let start = std::array::from_fn(|k| low[k].wrapping_add(corner[k] as u32));
-            let place = &mut filling.crossings[edge.index()];
-            *place = corner.map(|i| i as f64);
-            if cell.crosses(edge) {
-                place[axis] = self.placer.crossing(axis, start);
-            }
-        }
-        let Filling { triangles, inner, crossings } = filling;
+            place[axis] = self.placer.crossing(axis, start);
+            place
+        };
+        let Filling { tube, inner } = &mut self.filling;
         let interpolant = Interpolant::new(cell);
         if let (Some(interpolant), Some(ends)) = (&interpolant, tunnel) {
             *inner = waist(interpolant, ends);
             // Not from where vertices are placed, so that no placement changes a triangle.
-            let distance = |edge: u8, n: usize| {
-                let (p, q) = (interpolant.crossing(Edge::new(edge)), inner[n]);
-                p.iter().zip(q).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt()
+            let distances = |edge: u8| {
+                let p = interpolant.crossing(Edge::new(edge));
+                inner.map(|q| p.iter().zip(q).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt())
             };
-            patch.bridge(distance, triangles);
+            patch.bridge(distances, tube);
         } else if let Some(ring) = patch.fan() {
             let mut places = [[0.0; 3]; 12];
-            let ring = ring.iter().map(|&edge| crossings[usize::from(edge)]);
-            let count = ring.zip(&mut places).map(|(from, to)| *to = from).count();
-            inner[0] = centre(interpolant.as_ref(), &places[..count]);
+            ring.iter().zip(&mut places).for_each(|(&edge, place)| *place = crossing(edge));
+            inner[0] = centre(interpolant.as_ref(), &places[..ring.len()]);
         }
         let count = patch.vertices();
         let Room { positions, mut normals } = self.room.split_off(count);
         for n in 0..count {
-            positions[n] = self.placer.position_in_cell(low, filling.inner[n]);
+            positions[n] = self.placer.position_in_cell(low, inner[n]);
             if let Some(normals) = &mut normals {
-                let gradient = interpolant.map(|whole| whole.gradient(filling.inner[n]).0);
+                let gradient = interpolant.map(|whole| whole.gradient(inner[n]).0);
                 let told = gradient.and_then(|gradient| self.placer.outward(gradient));
-                let shown = || self.placer.outward(inward(n, filling));
+                let place = |name: u8| match name.checked_sub(CENTRE) {
+                    Some(inner_name) => inner[usize::from(inner_name)],
+                    None => crossing(name),
+                };
+                let triangles = patch.discs().flat_map(|disc| disc.triangles).chain(&*tube);
+                let shown = || self.placer.outward(inward(n, triangles, place));
                 normals[n] = told.or_else(shown).unwrap_or([0.0, 0.0, 1.0]);
             }
         }
     }
 }
 
-/// Against the sum of the normals of the triangles around an interior vertex, as gradients are: in index
-/// space and by covectors.
-fn inward(n: usize, Filling { triangles, inner, crossings }: &Filling) -> [f64; 3] {
-    let place = |name: u8| match name.checked_sub(CENTRE) {
-        Some(inner_name) => inner[usize::from(inner_name)],
-        None => crossings[usize::from(name)],
-    };
+/// Against the sum of the normals of the triangles around interior vertex `n`, as gradients are: in index
+/// space and by covectors. `place` says where a vertex is.
+fn inward<'t>(
+    n: usize,
+    triangles: impl Iterator<Item = &'t [u8; 3]>,
+    place: impl Fn(u8) -> [f64; 3],
+) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for triangle in triangles.iter().filter(|t| t.contains(&(CENTRE + n as u8))) {
-        let [p, q, r] = triangle.map(place);
+    for triangle in triangles.filter(|triangle| triangle.contains(&(CENTRE + n as u8))) {
+        let [p, q, r] = triangle.map(&place);
         let [u, v]: [[f64; 3]; 2] = [q, r].map(|end| std::array::from_fn(|k| end[k] - p[k]));
         for (k, sum) in sum.iter_mut().enumerate() {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);

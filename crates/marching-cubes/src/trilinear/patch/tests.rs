@@ -41,7 +41,7 @@ fn triangles(patch: &Patch, seed: u64) -> Vec<[u8; 3]> {
         let mixed = (seed + u64::from(edge) * 37 + n as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         (mixed >> 40) as f64
     };
-    patch.bridge(distance, &mut triangles);
+    patch.bridge(|edge| std::array::from_fn(|n| distance(edge, n)), &mut triangles);
     triangles
 }
 
