@@ -88,11 +88,15 @@ impl Layout {
                     return <_>::default();
                 }
                 if z == own.end {
-                    counting.slice::<T>((z, done[z]), slice, None, &mut scratch);
+                    let none = &mut SpecialCells::default();
+                    counting.slice::<T>((z, done[z]), slice, None, (none, &mut scratch));
                     slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
                     return <_>::default();
                 }
-                let special = exactly(|| counting.slice((z, done[z]), slice, values, &mut scratch));
+                let mut special = SpecialCells::default();
+                let found = (&mut special, &mut scratch);
+                exactly(|| counting.slice((z, done[z]), slice, values, found));
+                let special = special.shrunk();
                 job.progress.advance(1);
                 (counts_of(slice, &special), special)
             });
@@ -135,16 +139,18 @@ impl Layout {
         self.rows.clear();
         self.rows.resize(ny * (nz.min(own.end + 1) - own.start), Row::default());
         self.slices.clear();
-        self.special.clear();
+        self.special.resize_with(own.len(), SpecialCells::default);
         for (z, slice) in (own.start..).zip(self.rows.chunks_exact_mut(ny)) {
             if z == own.end {
-                counting.slice::<T>((z, false), slice, None, scratch);
+                let none = &mut SpecialCells::default();
+                counting.slice::<T>((z, false), slice, None, (none, scratch));
                 slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
                 break;
             }
-            let special = counting.slice((z, false), slice, values, scratch);
-            self.slices.push(counts_of(slice, &special));
-            self.special.push(special);
+            let special = &mut self.special[z - own.start];
+            special.clear();
+            counting.slice((z, false), slice, values, (special, scratch));
+            self.slices.push(counts_of(slice, special));
         }
     }
 
@@ -271,11 +277,10 @@ impl Counting<'_> {
         (z, is_counted): (usize, bool),
         slice: &mut [Row],
         values: Option<&Values<'_, T>>,
-        scratch: &mut Vec<Word>,
-    ) -> SpecialCells {
-        let mut special = SpecialCells::default();
+        (special, scratch): (&mut SpecialCells, &mut Vec<Word>),
+    ) {
         if self.skips(z) {
-            return special;
+            return;
         }
         let (bits, rows) = (self.planes.inside.slices(z), 0..slice.len());
         match (self.takes_all(), is_counted, values) {
@@ -294,7 +299,6 @@ impl Counting<'_> {
                 slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
             });
         }
-        special.shrunk()
     }
 
     /// Whether every word of a slice counts.

@@ -215,6 +215,14 @@ impl<'a, T: Sample> View<'a, T> {
             self.dims
         );
         let (first, [x, y, z]) = (self.place(low), self.strides);
+        if x == 1 {
+            let pair = |offset| {
+                let low = first.wrapping_add_signed(offset);
+                &self.samples[low..low + 2]
+            };
+            let [a, b, c, d] = [pair(0), pair(y), pair(z), pair(y + z)];
+            return [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]];
+        }
         let corners = [0, x, y, x + y, z, x + z, y + z, x + y + z];
         corners.map(|offset| self.samples[first.wrapping_add_signed(offset)])
     }

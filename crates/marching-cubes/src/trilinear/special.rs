@@ -81,6 +81,13 @@ impl SpecialCells {
         true
     }
 
+    /// None; the memory stays.
+    pub(crate) fn clear(&mut self) {
+        let Self { cells, .. } = std::mem::take(self);
+        self.cells = cells;
+        self.cells.clear();
+    }
+
     /// No more memory than is needed.
     pub(crate) fn shrunk(mut self) -> Self {
         self.cells.shrink_to_fit();
