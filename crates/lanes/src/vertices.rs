@@ -11,17 +11,18 @@
 //! vanishes or is too large or small to square, are called odd, and the caller places them one by one.
 //! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
 //!
-//! `curves.rs` places vertices on cubics.
+//! `curves.rs` places vertices on cubics, with normals of a high order.
 
 mod curves;
 mod edges;
 mod field;
 mod roots;
+mod slopes;
 #[cfg(test)]
 mod tests;
 mod wide;
 
-pub use curves::{Crossings, cubic_crossings};
+pub use curves::{OneByOne, cubic_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;
@@ -173,7 +174,11 @@ impl<T: Lane> Kernel<'_, '_, T> {
     #[inline(always)]
     fn above_iso<W: Wide>(&self, wide: W, end: <T::Exact as Exact>::Of<W>) -> W::F64 {
         let Field { iso, slope, intercept, .. } = *self.field;
-        let value = T::Exact::to_f64(wide, end) * wide.f64(slope) + wide.f64(intercept);
+        let mut value = T::Exact::to_f64(wide, end);
+        // By one and nothing they are the same, but for the sign of 0, which does not matter.
+        if slope != 1.0 || intercept != 0.0 {
+            value = value * wide.f64(slope) + wide.f64(intercept);
+        }
         value - wide.f64(iso)
     }
 

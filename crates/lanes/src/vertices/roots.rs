@@ -34,7 +34,9 @@ impl Task for Roots<'_> {
         for lines in self.lines {
             let (roots, is_lost) = cross(wide, lines);
             for ((line, root), is_lost) in lines.iter_mut().zip(roots).zip(is_lost) {
-                wide.store_f64(root.max(least).min(most), &mut line.delta);
+                // Within half an edge they are already.
+                let root = if self.reach < 0.5 { root.max(least).min(most) } else { root };
+                wide.store_f64(root, &mut line.delta);
                 line.is_odd |= is_lost;
             }
         }
@@ -61,19 +63,19 @@ macro_rules! both {
 /// bits of those that have yet to be found.
 #[inline(always)]
 fn cross<W: Wide>(wide: W, lines: &[Line; 2]) -> ([W::F64; 2], [u16; 2]) {
-    let (zero, one, half) = (wide.f64(0.0), wide.f64(1.0), wide.f64(0.5));
+    let (zero, half) = (wide.f64(0.0), wide.f64(0.5));
     let a = both!(n => wide.load_f64(&lines[n].values[1]));
     let b = both!(n => wide.load_f64(&lines[n].values[2]));
     let rise = both!(n => b[n] - a[n]);
     let straight = both!(n => (a[n] + b[n]) / rise[n] * wide.f64(-0.5));
-    let scale = both!(n => one / rise[n]);
+    let scale = both!(n => wide.f64(0.25) / rise[n]);
     let before = both!(n => wide.load_f64(&lines[n].values[0]));
     let after = both!(n => wide.load_f64(&lines[n].values[3]));
     let even = both!(n =>
-        ((before[n] + after[n]) - (a[n] + b[n])) * (wide.f64(0.25) * scale[n])
+        ((before[n] + after[n]) - (a[n] + b[n])) * scale[n]
     );
     let odd = both!(n =>
-        ((after[n] - before[n]) * wide.f64(1.0 / 3.0) - rise[n]) * (half * scale[n])
+        ((after[n] - before[n]) * wide.f64(1.0 / 3.0) - rise[n]) * (scale[n] + scale[n])
     );
     let narrow = Narrow::<W> {
         even: both!(n => wide.f64_to_f32(even[n])),

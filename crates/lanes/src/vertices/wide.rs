@@ -146,11 +146,14 @@ pub trait Float:
 /// A type that holds every sample of another exactly: f32 or f64.
 pub trait Exact: Copy + Default + Into<f64> {
     /// Sixteen of them.
-    type Of<W: Wide>: Copy;
+    type Of<W: Wide>: Float;
 
     fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> Self::Of<W>;
 
     fn to_f64<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F64;
+
+    /// Sixteen times the same number.
+    fn splat<W: Wide>(wide: W, number: f32) -> Self::Of<W>;
 
     /// `a − b`, rounded to f32.
     fn difference<W: Wide>(wide: W, a: Self::Of<W>, b: Self::Of<W>) -> W::F32;
@@ -170,6 +173,11 @@ impl Exact for f32 {
     }
 
     #[inline(always)]
+    fn splat<W: Wide>(wide: W, number: f32) -> W::F32 {
+        wide.f32(number)
+    }
+
+    #[inline(always)]
     fn difference<W: Wide>(_: W, a: W::F32, b: W::F32) -> W::F32 {
         a - b
     }
@@ -186,6 +194,11 @@ impl Exact for f64 {
     #[inline(always)]
     fn to_f64<W: Wide>(_: W, numbers: W::F64) -> W::F64 {
         numbers
+    }
+
+    #[inline(always)]
+    fn splat<W: Wide>(wide: W, number: f32) -> W::F64 {
+        wide.f64(number.into())
     }
 
     #[inline(always)]

@@ -63,7 +63,7 @@ impl Curve {
         // fifth is the number.
         let even = |pair: usize| low(pair) + high(pair);
         let odd = |pair: usize| (high(pair) - low(pair)) * (1.0 / (2 * pair + 1) as f64);
-        let scale = 1.0 / odd(0);
+        let scale = 0.25 / odd(0);
         let divided = |part: &dyn Fn(usize) -> f64, scale: f64| {
             let first = part(1) - part(0);
             let second = match pairs {
@@ -72,7 +72,7 @@ impl Curve {
             };
             [first * scale, second * scale]
         };
-        let curve = Self { even: divided(&even, 0.25 * scale), odd: divided(&odd, 0.5 * scale) };
+        let curve = Self { even: divided(&even, scale), odd: divided(&odd, scale + scale) };
         curve.is_plain().then_some(curve)
     }
 

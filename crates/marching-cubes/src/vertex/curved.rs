@@ -2,8 +2,8 @@
 
 use super::{Cut, Placer, curve::Curve, delta};
 use crate::Placement;
-use isokit_lanes::{Coordinate, Crossings, Edges, cubic_crossings};
-use isokit_volume::{Sample, line};
+use isokit_lanes::{Coordinate, Edges, OneByOne, Vertices, cubic_vertices};
+use isokit_volume::{Dtype, Sample, line};
 
 /// The most samples on one line that a place depends on.
 const MOST: usize = 6;
@@ -14,15 +14,15 @@ impl<T: Sample> Placer<'_, T> {
         &self,
         edges: &Edges,
         positions: &mut [[C; 3]],
-        normals: Option<&mut [[f32; 3]]>,
+        mut normals: Option<&mut [[f32; 3]]>,
         odd: &mut Vec<u32>,
     ) {
-        let mut deltas = vec![0.0; if normals.is_some() { edges.len() } else { 0 }];
         match (&self.samples, self.placement) {
             (Some(samples), Placement::Cubic) => {
-                let deltas = normals.is_some().then_some(&mut deltas[..]);
-                let out = Crossings { positions: &mut *positions, deltas, odd: &mut *odd };
-                cubic_crossings(samples, &self.field, edges, out);
+                let normals = normals.as_deref_mut();
+                let out = Vertices { positions: &mut *positions, normals, odd: &mut *odd };
+                let one_by_one = OfEdges { placer: self, edges };
+                cubic_vertices(samples, &self.field, edges, &one_by_one, out);
             }
             _ => odd.extend(0..edges.len() as u32),
         }
@@ -31,29 +31,29 @@ impl<T: Sample> Placer<'_, T> {
             let straight = self.cut(axis, low);
             let cut = self.curved(&straight).unwrap_or(straight);
             positions[n] = self.position(&cut);
-            if normals.is_some() {
-                deltas[n] = cut.delta;
+            if let Some(normals) = &mut normals {
+                normals[n] = self.normal_on_curve(&cut);
             }
-        }
-        for (n, normal) in normals.into_iter().flatten().enumerate() {
-            let (axis, low) = edges.get(n);
-            *normal = self.normal_on_curve(&Cut { delta: deltas[n], ..self.cut(axis, low) });
         }
     }
 
     /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.
     pub(super) fn curved(&self, cut: &Cut) -> Option<Cut> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
-        let pairs = self.placement.pairs();
         let mut around = [0.0; MOST];
-        let around = &mut around[..2 * pairs];
-        let first = ijk[axis] as isize + 1 - pairs as isize;
-        line::values(around, first, self.view.dims()[axis], |i| {
-            self.view.value(with(ijk, axis, i)) - self.field.iso
-        });
+        let around = &mut around[..2 * self.placement.pairs()];
+        self.line(ijk, axis, around);
         let curve = Curve::through(around)?;
         let delta = curve.crossing(delta(cut.values, self.field.iso));
         Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..*cut })
+    }
+
+    /// The values around the edge from the sample `ijk` on along an axis, less the isovalue.
+    fn line(&self, ijk: [usize; 3], axis: usize, around: &mut [f64]) {
+        let first = ijk[axis] as isize + 1 - (around.len() / 2) as isize;
+        line::values(around, first, self.view.dims()[axis], |i| {
+            self.view.value(with(ijk, axis, i)) - self.field.iso
+        });
     }
 
     /// The unit normal at a cut of a curve; where its samples tell none, that of a straight line.
@@ -84,13 +84,55 @@ impl<T: Sample> Placer<'_, T> {
                 line::values(across, first, dims[part], |j| {
                     self.view.stored(with(here, part, j)).to_f64()
                 });
-                line::slope(across)
+                slope::<T>(across)
             });
             *gradient = line::mean(around, &weights) * self.field.slope;
         }
         let is_finite = gradient.iter().all(|part| part.is_finite());
         is_finite.then(|| self.outward(gradient)).flatten()
     }
+}
+
+/// What a placer knows of the edges in a queue.
+struct OfEdges<'e, 'a, T> {
+    placer: &'e Placer<'a, T>,
+    edges: &'e Edges,
+}
+
+impl<T: Sample> OneByOne for OfEdges<'_, '_, T> {
+    fn line(&self, edge: usize) -> Option<[f64; 4]> {
+        let (axis, low) = self.edges.get(edge);
+        let (dims, low) = (self.placer.view.dims(), low.map(|i| i as usize));
+        let is_within = (0..3).all(|k| low[k] + usize::from(k == axis) < dims[k]);
+        is_within.then(|| {
+            let mut around = [0.0; 4];
+            self.placer.line(low, axis, &mut around);
+            around
+        })
+    }
+
+    fn normal(&self, edge: usize, delta: f64) -> [f32; 3] {
+        let (axis, low) = self.edges.get(edge);
+        self.placer.normal_on_curve(&Cut { delta, ..self.placer.cut(axis, low) })
+    }
+}
+
+/// What [`line::slope`] gives of stored samples: in f32 for those that are f32, unless it overflows there.
+/// Neighbours are subtracted without a loss where neither is twice the other (Sterbenz); elsewhere what is
+/// lost is no more than the samples lost when they were rounded.
+#[inline(always)]
+fn slope<T: Sample>(values: &[f64]) -> f64 {
+    if T::DTYPE == Dtype::F32 {
+        let mut narrow = [0.0_f32; MOST + 1];
+        for (narrow, &value) in narrow.iter_mut().zip(values) {
+            *narrow = value as f32;
+        }
+        let slope = line::slope(&narrow[..values.len()]);
+        if slope.is_finite() {
+            return slope.into();
+        }
+    }
+    line::slope(values)
 }
 
 /// The same place but for one axis.
