@@ -14,7 +14,7 @@ pub struct Samples<'a, T> {
     first: i64,
     strides: [i64; 3],
     dims: [u32; 3],
-    is_near: bool,
+    near: i64,
 }
 
 impl<'a, T: Lane> Samples<'a, T> {
@@ -30,10 +30,10 @@ impl<'a, T: Lane> Samples<'a, T> {
             *if reach < 0 { &mut least } else { &mut greatest } += reach;
         }
         let inside = least >= 0 && greatest < all.len() as i128;
-        let is_near = is_near::<T>(all.len(), first, strides, dims);
+        let near = near::<T>(all.len(), first, strides, dims);
         let (first, dims) = (first as i64, dims.map(|n| n as u32));
         let strides = strides.map(|stride| stride as i64);
-        inside.then_some(Self { all, first, strides, dims, is_near })
+        inside.then_some(Self { all, first, strides, dims, near })
     }
 
     /// Samples along x, y, z.
@@ -83,17 +83,19 @@ impl<'a, T: Lane> Samples<'a, T> {
         }
     }
 
-    /// Whether the number of a sample within its slice, and within the next one, fits 31 bits, and four
-    /// bytes can be read from every sample on that has both neighbours along two axes or more.
-    pub(crate) fn is_near(&self) -> bool {
-        self.is_near
+    /// Whether the number of a sample, from the first of a slice as many slices below or above, fits 31
+    /// bits, and four bytes can be read from every sample on that has both neighbours along two axes or
+    /// more.
+    pub(crate) fn is_near(&self, slices: i64) -> bool {
+        slices <= self.near
     }
 }
 
-fn is_near<T>(held: usize, first: usize, strides: [isize; 3], dims: [usize; 3]) -> bool {
+/// The most slices between two samples for which [`Samples::is_near`] holds; −1 where it never does.
+fn near<T>(held: usize, first: usize, strides: [isize; 3], dims: [usize; 3]) -> i64 {
     let strides = strides.map(|stride| stride as i128);
     let reach = |axis: usize| (dims[axis] as i128 - 1) * strides[axis];
-    let in_slices = reach(0).abs() + reach(1).abs() + strides[2].abs();
+    let left = i128::from(i32::MAX) - reach(0).abs() - reach(1).abs();
     // Farthest along each axis, and on the others as far as leaves a neighbour.
     let most = |axis: usize, margin: i128| {
         let far = (dims[axis] as i128 - 1 - margin) * strides[axis];
@@ -105,5 +107,8 @@ fn is_near<T>(held: usize, first: usize, strides: [isize; 3], dims: [usize; 3]) 
     };
     let greatest = (0..3).map(greatest).max().unwrap_or(0);
     let size = size_of::<T>() as i128;
-    in_slices <= i32::MAX.into() && greatest * size + 4 <= held as i128 * size
+    match left >= 0 && greatest * size + 4 <= held as i128 * size {
+        true => (left / strides[2].abs().max(1)) as i64,
+        false => -1,
+    }
 }

@@ -10,21 +10,25 @@
 //! The arithmetic knows only finite values. Edges where something is not finite, or where the gradient
 //! vanishes or is too large or small to square, are called odd, and the caller places them one by one.
 //! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
+//!
+//! `curves.rs` places vertices on cubics, with normals of a high order.
 
 mod curves;
 mod edges;
 mod field;
+mod roots;
+mod slopes;
 #[cfg(test)]
 mod tests;
 mod wide;
 
-pub use curves::{Crossings, cubic_crossings};
+pub use curves::{OneByOne, cubic_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;
 
 use crate::{Lane, Level, Samples};
-use wide::{BATCH, Float, Plain, Wide};
+use wide::{BATCH, Float, Task, Wide, run_at};
 
 /// The greatest part of a gradient of differences, so that no part of any weight has lost a digit: from 2⁻⁶⁰
 /// to 2¹²⁰.
@@ -63,21 +67,7 @@ fn vertices_at<T: Lane, C: Coordinate>(
     out: Vertices<'_, C>,
 ) {
     let kernel = Kernel { samples, field, directions: field.directions(), edges };
-    match level {
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => {
-            level.assert_available();
-            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { kernel.avx512(out) }
-        }
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => {
-            level.assert_available();
-            // SAFETY: as above.
-            unsafe { kernel.avx2(out) }
-        }
-        _ => kernel.run(Plain, out),
-    }
+    run_at(level, Straight { kernel, out });
 }
 
 struct Kernel<'b, 'a, T> {
@@ -105,20 +95,20 @@ struct Around<W: Wide, E: Exact> {
     differences: Option<[[W::F32; 3]; 2]>,
 }
 
+/// All vertices of linear interpolation.
+struct Straight<'k, 'b, 'a, T, C> {
+    kernel: Kernel<'b, 'a, T>,
+    out: Vertices<'k, C>,
+}
+
+impl<T: Lane, C: Coordinate> Task for Straight<'_, '_, '_, T, C> {
+    #[inline(always)]
+    fn run<W: Wide>(self, wide: W) {
+        self.kernel.run(wide, self.out);
+    }
+}
+
 impl<T: Lane> Kernel<'_, '_, T> {
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    fn avx2<C: Coordinate>(&self, out: Vertices<'_, C>) {
-        self.run(Plain, out);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-    fn avx512<C: Coordinate>(&self, out: Vertices<'_, C>) {
-        // SAFETY: this function runs only where the machine has AVX-512 F, BW, DQ and VL.
-        self.run(unsafe { wide::Avx512::new() }, out);
-    }
-
     #[inline(always)]
     fn run<C: Coordinate>(&self, wide: impl Wide, out: Vertices<'_, C>) {
         let Vertices { positions, mut normals, odd } = out;
@@ -161,7 +151,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         normals: Option<&mut [[f32; 3]; BATCH]>,
     ) -> u16 {
         let batch = self.ends(wide, first);
-        let around = match batch.is_inner && self.samples.is_near() {
+        let around = match batch.is_inner && self.samples.is_near(1) {
             true => self.inner(wide, &batch, normals.is_some()),
             false => self.border(wide, &batch, normals.is_some()),
         };
@@ -169,7 +159,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let (difference, half, reach) = (a - b, wide.f64(0.5), self.field.reach);
         let delta = (a + b) / difference * half;
         let delta = delta.max(wide.f64(-reach)).min(wide.f64(reach));
-        C::write(wide, self.places(wide, &batch, delta), positions);
+        C::write(wide, self.field.places(wide, batch.axis, batch.low, delta), positions);
         let infinite = wide.f64(f64::INFINITY);
         let is_finite = difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference);
         let mut is_odd = batch.is_outside | !is_finite;
@@ -184,7 +174,11 @@ impl<T: Lane> Kernel<'_, '_, T> {
     #[inline(always)]
     fn above_iso<W: Wide>(&self, wide: W, end: <T::Exact as Exact>::Of<W>) -> W::F64 {
         let Field { iso, slope, intercept, .. } = *self.field;
-        let value = T::Exact::to_f64(wide, end) * wide.f64(slope) + wide.f64(intercept);
+        let mut value = T::Exact::to_f64(wide, end);
+        // By one and nothing they are the same, but for the sign of 0, which does not matter.
+        if slope != 1.0 || intercept != 0.0 {
+            value = value * wide.f64(slope) + wide.f64(intercept);
+        }
         value - wide.f64(iso)
     }
 
@@ -320,26 +314,6 @@ impl<T: Lane> Kernel<'_, '_, T> {
         unsafe { *self.samples.all().get_unchecked(number as usize) }.exact()
     }
 
-    /// Where the crossings are in world space.
-    #[inline(always)]
-    fn places<W: Wide>(&self, wide: W, batch: &Batch<W>, delta: W::F64) -> [W::F64; 3] {
-        let Field { columns, origin, first_slice, .. } = self.field;
-        let first = [0.0, 0.0, *first_slice];
-        let mut ijk = [delta; 3];
-        for along in 0..3 {
-            let low = wide.u32_to_f64(batch.low[along]) + wide.f64(first[along]);
-            let is_along = wide.equal(batch.axis, wide.u32(along as u32));
-            ijk[along] = wide.select_f64(is_along, low + wide.f64(0.5) + delta, low);
-        }
-        let mut world = ijk;
-        for k in 0..3 {
-            let z = wide.f64(columns[2][k]) * ijk[2] + wide.f64(origin[k]);
-            let y_z = wide.f64(columns[1][k]) * ijk[1] + z;
-            world[k] = wide.f64(columns[0][k]) * ijk[0] + y_z;
-        }
-        world
-    }
-
     /// The normals of gradients between those of the ends; the bits of those that are odd.
     #[inline(always)]
     fn write_normals<W: Wide>(
@@ -362,7 +336,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let zero = wide.f32(0.0);
         let mut greatest = zero;
         for part in world {
-            greatest = greatest.max(part.max(zero - part));
+            greatest = greatest.max(part.abs());
         }
         // By a power of two, which changes no digit: no square overflows or vanishes.
         let scale = wide.to_unit(greatest);
@@ -370,7 +344,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
             *part = *part * scale;
         }
         let square = world[0] * world[0] + world[1] * world[1] + world[2] * world[2];
-        let outward = wide.f32(-1.0) / wide.sqrt(square);
+        let outward = wide.f32(-1.0) / square.sqrt();
         wide.interleave([world[0] * outward, world[1] * outward, world[2] * outward], out);
         let is_tame = greatest.less(wide.f32(TAME.end)) & !greatest.less(wide.f32(TAME.start));
         // A part that is NaN may hide behind the greatest of the others, not in the sum of squares.

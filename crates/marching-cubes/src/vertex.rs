@@ -5,18 +5,16 @@
 //! give the same δ with the other sign, to the last bit, so mirrored volumes give mirrored vertices.
 //! Everything is f64 until the position is whole; then it is rounded once.
 //!
-//! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge ([`line`]),
-//! and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
+//! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge
+//! (`curved`), and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
 //! that of linear interpolation. Normals of the same order need no more than finite samples.
 
 mod curve;
+mod curved;
 
 use crate::Placement;
-use curve::Curve;
-use isokit_lanes::{
-    Coordinate, Crossings, Edges, Field, Samples, Vertices, Word, cubic_crossings, vertices,
-};
-use isokit_volume::{Sample, View, differences, line};
+use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
+use isokit_volume::{Sample, View, differences};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
 const TAME: std::ops::Range<f64> = 1e-120..1e120;
@@ -33,9 +31,6 @@ struct Cut {
     /// The crossing, in edge lengths from the middle of the edge.
     delta: f64,
 }
-
-/// The most samples on one line that a place depends on.
-const MOST: usize = 6;
 
 /// What a vertex depends on, beside its edge.
 #[derive(Clone, Copy, Debug)]
@@ -112,42 +107,6 @@ impl<'a, T: Sample> Placer<'a, T> {
         }
     }
 
-    fn place_curved<C: Coordinate>(
-        &self,
-        edges: &Edges,
-        positions: &mut [[C; 3]],
-        normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<u32>,
-    ) {
-        let mut deltas = vec![0.0; if normals.is_some() { edges.len() } else { 0 }];
-        match (&self.samples, self.placement) {
-            (Some(samples), Placement::Cubic) => {
-                let deltas = normals.is_some().then_some(&mut deltas[..]);
-                let out = Crossings { positions: &mut *positions, deltas, odd: &mut *odd };
-                cubic_crossings(samples, &self.field, edges, out);
-            }
-            _ => odd.extend(0..edges.len() as u32),
-        }
-        for n in odd.iter().map(|&n| n as usize) {
-            let (axis, low) = edges.get(n);
-            let straight = self.cut(axis, low);
-            let cut = self.curved(&straight).unwrap_or(straight);
-            positions[n] = self.position(&cut);
-            if normals.is_some() {
-                deltas[n] = cut.delta;
-            }
-        }
-        for (n, normal) in normals.into_iter().flatten().enumerate() {
-            let (axis, low) = edges.get(n);
-            let cut = Cut { delta: deltas[n], ..self.cut(axis, low) };
-            let curved = match self.placement {
-                Placement::Quintic => self.curved_normal::<3>(&cut),
-                _ => self.curved_normal::<2>(&cut),
-            };
-            *normal = curved.unwrap_or_else(|| self.normal(&cut));
-        }
-    }
-
     /// Says that samples around edges of `words`, where bit 0 of word 0 of row 0 is sample `first`, will
     /// soon be asked for.
     #[inline(always)]
@@ -190,21 +149,6 @@ impl<'a, T: Sample> Placer<'a, T> {
         let mut ijk = low.map(|i| f64::from(i as i32));
         ijk[2] += self.field.first_slice;
         self.field.world(std::array::from_fn(|axis| ijk[axis] + place[axis])).map(C::round)
-    }
-
-    /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.
-    fn curved(&self, cut: &Cut) -> Option<Cut> {
-        let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
-        let pairs = self.placement.pairs();
-        let mut around = [0.0; MOST];
-        let around = &mut around[..2 * pairs];
-        let first = ijk[axis] as isize + 1 - pairs as isize;
-        line::values(around, first, self.view.dims()[axis], |i| {
-            self.view.value(with(ijk, axis, i)) - self.field.iso
-        });
-        let curve = Curve::through(around)?;
-        let delta = curve.crossing(delta(cut.values, self.field.iso));
-        Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..*cut })
     }
 
     /// The position of a cut in world space.
@@ -256,33 +200,6 @@ impl<'a, T: Sample> Placer<'a, T> {
         Some([x * outward, y * outward, z * outward])
     }
 
-    /// The unit normal at a cut of a curve: against the gradient, whose parts are differences of as high an
-    /// order as the curve's at the samples around the edge, and between those what the curve through them
-    /// is. None where one is not finite or all are 0.
-    fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
-        let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
-        let (dims, weights) = (self.view.dims(), line::weights::<PAIRS>(cut.delta));
-        let mut gradient = [0.0; 3];
-        for (part, gradient) in gradient.iter_mut().enumerate() {
-            let mut around = [[0.0; 2]; PAIRS];
-            let around = around.as_flattened_mut();
-            let first = ijk[axis] as isize + 1 - PAIRS as isize;
-            line::values(around, first, dims[axis], |i| {
-                let here = with(ijk, axis, i);
-                let mut across = [0.0; MOST + 1];
-                let across = &mut across[..=2 * PAIRS];
-                let first = here[part] as isize - PAIRS as isize;
-                line::values(across, first, dims[part], |j| {
-                    self.view.stored(with(here, part, j)).to_f64()
-                });
-                line::slope(across)
-            });
-            *gradient = line::mean(around, &weights) * self.field.slope;
-        }
-        let is_finite = gradient.iter().all(|part| part.is_finite());
-        is_finite.then(|| self.outward(gradient)).flatten()
-    }
-
     /// The direction in world space against a gradient in index space. None for a gradient of zero.
     pub(crate) fn outward(&self, gradient: [f64; 3]) -> Option<[f32; 3]> {
         let world = self.world_gradient(gradient);
@@ -301,13 +218,6 @@ impl<'a, T: Sample> Placer<'a, T> {
         let along = |k: usize, axis: usize| columns[axis][k] * gradient[axis];
         std::array::from_fn(|k| along(k, 0) + along(k, 1) + along(k, 2))
     }
-}
-
-/// The same place but for one axis.
-#[inline(always)]
-fn with(mut ijk: [usize; 3], axis: usize, i: usize) -> [usize; 3] {
-    ijk[axis] = i;
-    ijk
 }
 
 /// The power of two by which a number becomes one from 1 to 2, for any but the greatest and the least.

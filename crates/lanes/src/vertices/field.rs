@@ -76,6 +76,33 @@ impl Field {
         })
     }
 
+    /// Where crossings so far from the middle of their edges are in world space. The numbers of the lower ends
+    /// are along x, y, z.
+    #[inline(always)]
+    pub(super) fn places<W: Wide>(
+        &self,
+        wide: W,
+        axis: W::U32,
+        low: [W::U32; 3],
+        delta: W::F64,
+    ) -> [W::F64; 3] {
+        let Self { columns, origin, first_slice, .. } = self;
+        let first = [0.0, 0.0, *first_slice];
+        let mut ijk = [delta; 3];
+        for along in 0..3 {
+            let low = wide.u32_to_f64(low[along]) + wide.f64(first[along]);
+            let is_along = wide.equal(axis, wide.u32(along as u32));
+            ijk[along] = wide.select_f64(is_along, low + wide.f64(0.5) + delta, low);
+        }
+        let mut world = ijk;
+        for k in 0..3 {
+            let z = wide.f64(columns[2][k]) * ijk[2] + wide.f64(origin[k]);
+            let y_z = wide.f64(columns[1][k]) * ijk[1] + z;
+            world[k] = wide.f64(columns[0][k]) * ijk[0] + y_z;
+        }
+        world
+    }
+
     /// What turns differences of stored samples into a gradient in world space, but for its length, which
     /// no normal has.
     pub fn directions(&self) -> [[f32; 3]; 3] {

@@ -3,7 +3,7 @@
 use super::{BLOCK, Edges, Field, TAME, Vertices, vertices_at};
 use crate::{Lane, Level, Samples, Word, word::OWN};
 
-const FIELD: Field = Field {
+pub(super) const FIELD: Field = Field {
     iso: 0.5,
     slope: -2.0,
     intercept: -1.0,
@@ -14,15 +14,15 @@ const FIELD: Field = Field {
     first_slice: 1000.0,
 };
 
-struct Chance(u64);
+pub(super) struct Chance(pub(super) u64);
 
 impl Chance {
-    fn next(&mut self) -> u64 {
+    pub(super) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
         self.0 ^ self.0 >> 31
     }
 
-    fn below(&mut self, n: u32) -> u32 {
+    pub(super) fn below(&mut self, n: u32) -> u32 {
         (self.next() % u64::from(n)) as u32
     }
 }
@@ -87,7 +87,7 @@ fn one<T: Lane>(
 }
 
 /// Edges as a row hands them over, one word each.
-fn edges(level: Level, list: &[(usize, [u32; 2])], z: u32) -> Edges {
+pub(super) fn edges(level: Level, list: &[(usize, [u32; 2])], z: u32) -> Edges {
     let mut edges = Edges::default();
     edges.begin(z);
     for &(axis, [x, y]) in list {

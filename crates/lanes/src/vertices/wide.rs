@@ -8,15 +8,55 @@ mod plain;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 
+use crate::{Lane, Level, Samples};
 #[cfg(target_arch = "x86_64")]
-pub(super) use avx512::Avx512;
-pub(super) use plain::Plain;
-
-use crate::{Lane, Samples};
+use avx512::Avx512;
+use plain::Plain;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Numbers in a batch: one register of f32 at the widest, two of f64.
 pub(super) const BATCH: usize = 16;
+
+/// Work that is written once and compiled for every level.
+pub(super) trait Task {
+    fn run<W: Wide>(self, wide: W);
+}
+
+/// Does a task with the instructions of a level.
+///
+/// # Panics
+///
+/// If the machine has not the level.
+pub(super) fn run_at(level: Level, task: impl Task) {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => {
+            level.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            unsafe { run_avx512(task) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            level.assert_available();
+            // SAFETY: as above.
+            unsafe { run_avx2(task) }
+        }
+        _ => task.run(Plain),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx2(task: impl Task) {
+    task.run(Plain);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
+fn run_avx512(task: impl Task) {
+    // SAFETY: this function runs only where the machine has AVX-512 F, BW, DQ and VL.
+    task.run(unsafe { Avx512::new() });
+}
 
 /// A set of registers.
 pub trait Wide: Copy {
@@ -41,6 +81,8 @@ pub trait Wide: Copy {
 
     fn load_f64(self, numbers: &[f64; BATCH]) -> Self::F64;
 
+    fn store_f64(self, numbers: Self::F64, out: &mut [f64; BATCH]);
+
     /// Where both are equal: a bit each.
     fn equal(self, a: Self::U32, b: Self::U32) -> u16;
 
@@ -57,8 +99,6 @@ pub trait Wide: Copy {
 
     fn f32_to_f64(self, numbers: Self::F32) -> Self::F64;
 
-    fn sqrt(self, numbers: Self::F32) -> Self::F32;
-
     /// Rounded to the nearest.
     fn f64_to_f32(self, numbers: Self::F64) -> Self::F32;
 
@@ -69,7 +109,8 @@ pub trait Wide: Copy {
     ///
     /// # Safety
     ///
-    /// Each must be an end of an inner edge or a neighbour of one, and [`Samples::is_near`] must hold.
+    /// Each must be a sample that has both neighbours along two axes or more, and in a slice for which
+    /// [`Samples::is_near`] holds, as far from the one that `from` lies in.
     unsafe fn near<T: Lane>(
         self,
         samples: &Samples<'_, T>,
@@ -93,6 +134,11 @@ pub trait Float:
     /// The less; `other` where the two are equal or one is NaN.
     fn min(self, other: Self) -> Self;
 
+    /// Without its sign.
+    fn abs(self) -> Self;
+
+    fn sqrt(self) -> Self;
+
     /// Where it is less than the other: a bit each, none for NaN.
     fn less(self, other: Self) -> u16;
 }
@@ -100,11 +146,14 @@ pub trait Float:
 /// A type that holds every sample of another exactly: f32 or f64.
 pub trait Exact: Copy + Default + Into<f64> {
     /// Sixteen of them.
-    type Of<W: Wide>: Copy;
+    type Of<W: Wide>: Float;
 
     fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> Self::Of<W>;
 
     fn to_f64<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F64;
+
+    /// Sixteen times the same number.
+    fn splat<W: Wide>(wide: W, number: f32) -> Self::Of<W>;
 
     /// `a − b`, rounded to f32.
     fn difference<W: Wide>(wide: W, a: Self::Of<W>, b: Self::Of<W>) -> W::F32;
@@ -124,6 +173,11 @@ impl Exact for f32 {
     }
 
     #[inline(always)]
+    fn splat<W: Wide>(wide: W, number: f32) -> W::F32 {
+        wide.f32(number)
+    }
+
+    #[inline(always)]
     fn difference<W: Wide>(_: W, a: W::F32, b: W::F32) -> W::F32 {
         a - b
     }
@@ -140,6 +194,11 @@ impl Exact for f64 {
     #[inline(always)]
     fn to_f64<W: Wide>(_: W, numbers: W::F64) -> W::F64 {
         numbers
+    }
+
+    #[inline(always)]
+    fn splat<W: Wide>(wide: W, number: f32) -> W::F64 {
+        wide.f64(number.into())
     }
 
     #[inline(always)]

@@ -6,6 +6,8 @@ use isokit_lanes::{Edges, Word};
 use isokit_volume::{Grid, Volume, gradient};
 use proptest::prelude::*;
 
+mod kernels;
+
 fn check(a: f64, b: f64, iso: f64) {
     let (low, high) = if a >= b { (b, a) } else { (a, b) };
     if !(low < iso && high >= iso) {
@@ -150,53 +152,4 @@ fn where_all_differences_cancel_the_normal_follows_the_edge() {
     let placer = Placer::new(volume.view(), 0.0, 0.0, 0.0);
     assert_eq!(placer.normal(&placer.cut(1, [1, 1, 1])), [0.0, -1.0, 0.0]);
     assert_eq!(placer.normal(&placer.cut(1, [2, 1, 1])), [0.0, 1.0, 0.0]);
-}
-
-#[test]
-fn cubics_crossed_sixteen_at_a_time_give_the_bits_of_one_by_one() {
-    let (grid, mut state) = (Grid::new([20, 20, 20], Frame::default()).unwrap(), 5_u64);
-    for noise in [0.0, 0.1, 1.0, 1e300] {
-        let mut value = |n: usize| {
-            state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
-            let chance = (state >> 40) as f64 / 2_f64.powi(23) - 1.0;
-            let [x, y, z] = [n % 20, n / 20 % 20, n / 400].map(|i| i as f64);
-            let odd = if state >> 20 & 255 == 0 { f64::NAN } else { 0.0 };
-            (x * 0.9 + 0.3).sin() + (y * 0.7 + z * 0.5).cos() + noise * chance + odd
-        };
-        let volume = Volume::new(grid, (0..8000).map(&mut value).collect::<Vec<f64>>()).unwrap();
-        for reach in [0.0, 0.01] {
-            let placer = Placer::new(volume.view(), 0.1, reach, 0.0);
-            let placer = placer.with_placement(crate::Placement::Cubic);
-            let (mut kept, mut moved) = (0, 0);
-            for (axis, y) in (0..3).flat_map(|axis| (1..18).map(move |y| (axis, y))) {
-                let mut edges = Edges::default();
-                edges.begin(9);
-                edges.push(
-                    &[axis],
-                    [1, y],
-                    &[Word { cuts: [(1 << 17) - 1; 8], ..Word::default() }],
-                );
-                let (mut places, mut odd) = ([[0.0_f64; 3]; 17], vec![]);
-                placer.place(&edges, &mut places, None, &mut odd);
-                kept += 17 - odd.len();
-                for (n, place) in places.into_iter().enumerate() {
-                    let (axis, low) = edges.get(n);
-                    let straight = placer.cut(axis, low);
-                    let Some([a, b]) =
-                        straight.values[0].zip(straight.values[1]).map(<[f64; 2]>::from)
-                    else {
-                        continue;
-                    };
-                    if (a >= 0.1) == (b >= 0.1) {
-                        continue; // no edge that is cut
-                    }
-                    let cut = placer.curved(&straight).unwrap_or(straight);
-                    moved += usize::from(cut.delta != straight.delta);
-                    let one: [f64; 3] = placer.position(&cut);
-                    assert_eq!(one.map(f64::to_bits), place.map(f64::to_bits), "{cut:?}");
-                }
-            }
-            assert!(kept > 16 * 3 * 10 && moved > 50, "{kept}, {moved}");
-        }
-    }
 }

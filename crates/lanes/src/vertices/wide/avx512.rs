@@ -99,6 +99,18 @@ impl Float for F32 {
     }
 
     #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_abs_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
+    }
+
+    #[inline(always)]
     fn less(self, other: Self) -> u16 {
         // SAFETY: as above.
         unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
@@ -116,6 +128,18 @@ impl Float for F64 {
     fn min(self, other: Self) -> Self {
         // SAFETY: as above.
         unsafe { Self(_mm512_min_pd(self.0, other.0), _mm512_min_pd(self.1, other.1)) }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: as above.
+        unsafe { Self(_mm512_abs_pd(self.0), _mm512_abs_pd(self.1)) }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: as above.
+        unsafe { Self(_mm512_sqrt_pd(self.0), _mm512_sqrt_pd(self.1)) }
     }
 
     #[inline(always)]
@@ -190,6 +214,16 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
+    fn store_f64(self, numbers: F64, out: &mut [f64; BATCH]) {
+        let (halves, _) = out.as_chunks_mut::<8>();
+        // SAFETY: there is a token; each half is one register.
+        unsafe {
+            _mm512_storeu_pd(halves[0].as_mut_ptr(), numbers.0);
+            _mm512_storeu_pd(halves[1].as_mut_ptr(), numbers.1);
+        }
+    }
+
+    #[inline(always)]
     fn equal(self, a: U32, b: U32) -> u16 {
         // SAFETY: there is a token.
         unsafe { _mm512_cmpeq_epi32_mask(a.0, b.0) }
@@ -231,12 +265,6 @@ impl Wide for Avx512 {
             let [low, high] = [_mm256_castsi256_ps(low), _mm256_castsi256_ps(high)];
             F64(_mm512_cvtps_pd(low), _mm512_cvtps_pd(high))
         }
-    }
-
-    #[inline(always)]
-    fn sqrt(self, numbers: F32) -> F32 {
-        // SAFETY: there is a token.
-        F32(unsafe { _mm512_sqrt_ps(numbers.0) })
     }
 
     #[inline(always)]
@@ -334,12 +362,7 @@ impl Wide for Avx512 {
     fn interleave_f64(self, axes: [F64; 3], out: &mut [[f64; 3]; BATCH]) {
         let mut lists = [[0.0; BATCH]; 3];
         for (list, numbers) in lists.iter_mut().zip(axes) {
-            let (halves, _) = list.as_chunks_mut::<8>();
-            // SAFETY: there is a token; each half is one register.
-            unsafe {
-                _mm512_storeu_pd(halves[0].as_mut_ptr(), numbers.0);
-                _mm512_storeu_pd(halves[1].as_mut_ptr(), numbers.1);
-            }
+            self.store_f64(numbers, list);
         }
         for (n, place) in out.iter_mut().enumerate() {
             *place = [lists[0][n], lists[1][n], lists[2][n]];

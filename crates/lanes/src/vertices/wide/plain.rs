@@ -74,6 +74,16 @@ macro_rules! float {
             }
 
             #[inline(always)]
+            fn abs(self) -> Self {
+                Self(each!(n => self.0[n].abs()))
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(each!(n => self.0[n].sqrt()))
+            }
+
+            #[inline(always)]
             fn less(self, other: Self) -> u16 {
                 mask!(n => self.0[n] < other.0[n])
             }
@@ -124,6 +134,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn store_f64(self, numbers: Array<f64>, out: &mut [f64; BATCH]) {
+        *out = numbers.0;
+    }
+
+    #[inline(always)]
     fn equal(self, a: Array<u32>, b: Array<u32>) -> u16 {
         mask!(n => a.0[n] == b.0[n])
     }
@@ -151,11 +166,6 @@ impl Wide for Plain {
     #[inline(always)]
     fn f32_to_f64(self, numbers: Array<f32>) -> Array<f64> {
         Array(each!(n => f64::from(numbers.0[n])))
-    }
-
-    #[inline(always)]
-    fn sqrt(self, numbers: Array<f32>) -> Array<f32> {
-        Array(each!(n => numbers.0[n].sqrt()))
     }
 
     #[inline(always)]

@@ -1,0 +1,217 @@
+//! Every level against the portable one, whose bits `marching-cubes` compares with those of one at a time.
+
+use super::{OneByOne, Vertices, cubic_vertices_at};
+use crate::{
+    Edges, Lane, Level, Samples,
+    vertices::{
+        Field,
+        tests::{Chance, FIELD, edges},
+    },
+};
+
+const UNIT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Tells lines by a function, and of normals from where it was asked for one.
+struct Told<F>(F);
+
+impl<F: Fn(usize) -> Option<[f64; 4]>> OneByOne for Told<F> {
+    fn line(&self, edge: usize) -> Option<[f64; 4]> {
+        self.0(edge)
+    }
+
+    fn normal(&self, edge: usize, delta: f64) -> [f32; 3] {
+        [edge as f32, delta as f32, 2.0]
+    }
+}
+
+/// For each edge the bits of its place and of its normal, but for odd ones; and their numbers.
+type Placed = (Vec<Vec<u64>>, Vec<u32>);
+
+fn placed<T: Lane>(level: Level, samples: &Samples<'_, T>, edges: &Edges) -> Placed {
+    let count = edges.len();
+    let (mut positions, mut rounded) = (vec![[0.0_f64; 3]; count], vec![[0.0_f32; 3]; count]);
+    let (mut normals, mut odd, mut same) = (vec![[0.0; 3]; count], vec![], vec![]);
+    let out = Vertices { positions: &mut rounded, normals: None, odd: &mut same };
+    cubic_vertices_at(level, samples, &FIELD, edges, &Told(|_| None), out);
+    let out = Vertices { positions: &mut positions, normals: Some(&mut normals), odd: &mut odd };
+    cubic_vertices_at(level, samples, &FIELD, edges, &Told(|_| None), out);
+    assert_eq!(odd, same);
+    let bits = |n: usize| {
+        let mut bits = vec![];
+        if !odd.contains(&(n as u32)) {
+            assert_eq!(positions[n].map(|c| c as f32), rounded[n]);
+            bits.extend(positions[n].map(f64::to_bits));
+            bits.extend(normals[n].map(|c| u64::from(c.to_bits())));
+        }
+        bits
+    };
+    ((0..count).map(bits).collect(), odd)
+}
+
+/// Whether an edge and a neighbour of each end on its line are in the lattice.
+fn has_line(dims: [u32; 3], (axis, low): (usize, [u32; 3])) -> bool {
+    (0..3).all(|k| {
+        let (low, margin) = (i64::from(low[k] as i32), i64::from(k == axis));
+        low >= margin && low + 2 * margin < i64::from(dims[k])
+    })
+}
+
+/// The share of edges with a line that are placed.
+fn check<T: Lane>(sample: fn(&mut Chance) -> T) -> f64 {
+    let (mut chance, mut lines, mut kept) = (Chance(5), 0, 0);
+    for dims in [[15, 13, 14], [8, 8, 8], [12, 12, 12], [7, 6, 8], [3, 4, 5], [1, 9, 9]] {
+        let count = dims.iter().product::<u32>() as usize;
+        let all: Vec<T> = (0..count).map(|_| sample(&mut chance)).collect();
+        let [nx, ny, nz] = dims.map(|n| n as usize);
+        let usual = [1, nx as isize, (nx * ny) as isize];
+        let slowest_first = [(ny * nz) as isize, nz as isize, 1];
+        let layouts = [(0, usual), (count - 1, usual.map(|step| -step)), (0, slowest_first)];
+        for (first, strides) in layouts {
+            let samples = Samples::new(&all, first, strides, [nx, ny, nz]).unwrap();
+            for count in [0, 1, 15, 16, 17, 100, 200, 600] {
+                // Half of the time all edges are inner ones, if the lattice has such.
+                let is_far = count % 2 == 0 && dims.iter().all(|&n| n > 3);
+                let mut place = |n: u32| match is_far {
+                    true => 1 + chance.below(n - 3),
+                    false => chance.below(n + 1).wrapping_sub(1),
+                };
+                let z = place(dims[2]);
+                let places: Vec<_> = (0..count).map(|_| [place(dims[0]), place(dims[1])]).collect();
+                let list: Vec<_> =
+                    places.into_iter().map(|place| (chance.below(3) as usize, place)).collect();
+                let edges = edges(Level::Portable, &list, z);
+                let expected = placed(Level::Portable, &samples, &edges);
+                for &level in Level::available() {
+                    assert!(placed(level, &samples, &edges) == expected, "{level}: {list:?}");
+                }
+                for n in 0..edges.len() {
+                    let is_odd = expected.1.contains(&(n as u32));
+                    let has_line = has_line(dims, edges.get(n));
+                    assert!(has_line || is_odd, "{:?} is at the border", edges.get(n));
+                    lines += usize::from(has_line);
+                    kept += usize::from(!is_odd);
+                }
+            }
+        }
+    }
+    assert!(lines > 2000, "{lines} lines");
+    kept as f64 / lines as f64
+}
+
+#[test]
+fn every_level_places_the_same_vertices_on_curves_and_nearly_all() {
+    let kept = [
+        check(|chance| chance.next() as u8),
+        check(|chance| chance.next() as i8),
+        check(|chance| chance.next() as u16),
+        check(|chance| chance.next() as i16),
+        check(|chance| chance.next() as u32),
+        check(|chance| chance.next() as i32),
+        check(|chance| chance.below(1 << 20) as f32 * 0.01),
+        check(|chance| f64::from(chance.below(1 << 20)) * 0.01),
+    ];
+    assert!(kept.iter().all(|&kept| kept > 0.95), "{kept:?}");
+}
+
+#[test]
+fn what_is_not_finite_is_odd_at_every_level() {
+    let kept = [
+        check(|chance| match chance.below(60) {
+            0 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][chance.below(3) as usize],
+            n => n as f32 * 0.3,
+        }),
+        check(|chance| match chance.below(60) {
+            0 => [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][chance.below(3) as usize],
+            n => f64::from(n) * 0.3,
+        }),
+        check(|chance| match chance.below(60) {
+            0 => [f64::MAX, -f64::MAX][chance.below(2) as usize],
+            n => f64::from(n) * 0.3,
+        }),
+    ];
+    assert!(kept.iter().all(|&kept| kept > 0.5 && kept < 0.99), "{kept:?}");
+}
+
+#[test]
+fn lines_that_leave_the_lattice_are_those_that_the_caller_tells() {
+    let dims = [9_usize, 8, 7];
+    let count = dims.iter().product::<usize>();
+    let mut chance = Chance(2);
+    let all: Vec<i16> = (0..count).map(|_| chance.next() as i16).collect();
+    let strides = [1, 9, 72];
+    let samples = Samples::new(&all, 0, strides, dims).unwrap();
+    // The same samples within a larger lattice, where nothing is missing.
+    let larger: Vec<i16> = (0..11 * 10 * 9)
+        .map(|n| {
+            let [x, y, z] = [n % 11, n / 11 % 10, n / 110].map(|i: usize| i.saturating_sub(1));
+            all[x.min(8) + 9 * y.min(7) + 72 * z.min(6)]
+        })
+        .collect();
+    let around = Samples::new(&larger, 0, [1, 11, 110], [11, 10, 9]).unwrap();
+    for z in 0..6 {
+        let mut list = vec![];
+        for (axis, y) in (0..3).flat_map(|axis| (0..7).map(move |y| (axis, y))) {
+            list.extend((0..8).map(|x| (axis, [x, y])));
+        }
+        let inside = edges(Level::Portable, &list, z);
+        let moved: Vec<_> = list.iter().map(|&(axis, [x, y])| (axis, [x + 1, y + 1])).collect();
+        let moved = edges(Level::Portable, &moved, z + 1);
+        let told = Told(|n: usize| {
+            let (axis, low) = moved.get(n);
+            let step = [1, 11, 110][axis];
+            let first = low[0] as usize + 11 * low[1] as usize + 110 * low[2] as usize - step;
+            let value = |k: usize| f64::from(larger[first + k * step]) * FIELD.slope;
+            Some([0, 1, 2, 3].map(|k| value(k) + FIELD.intercept - FIELD.iso))
+        });
+        for &level in Level::available() {
+            let place = |samples, edges: &Edges, field| {
+                let (mut positions, mut odd) = (vec![[0.0_f32; 3]; list.len()], vec![]);
+                let out = Vertices { positions: &mut positions, normals: None, odd: &mut odd };
+                cubic_vertices_at(level, samples, field, edges, &told, out);
+                odd.iter().for_each(|&n| positions[n as usize] = [0.0; 3]);
+                (positions, odd)
+            };
+            // One step back along each axis, which whole numbers let one see to the last bit.
+            let index = Field { columns: UNIT, origin: [0.0; 3], first_slice: 0.0, ..FIELD };
+            let back = Field { origin: [-1.0; 3], ..index };
+            assert_eq!(place(&samples, &inside, &index), place(&around, &moved, &back), "{level}");
+        }
+    }
+}
+
+#[test]
+fn normals_whose_slopes_leave_the_lattice_are_those_that_the_caller_tells() {
+    let dims = [14_usize, 12, 11];
+    let mut chance = Chance(4);
+    let all: Vec<u8> = (0..dims.iter().product()).map(|_| chance.next() as u8).collect();
+    let samples = Samples::new(&all, 0, [1, 14, 14 * 12], dims).unwrap();
+    let mut made = 0;
+    for z in 0..10 {
+        let mut list = vec![];
+        for (axis, y) in (0..3).flat_map(|axis| (0..11).map(move |y| (axis, y))) {
+            list.extend((0..13).map(|x| (axis, [x, y])));
+        }
+        let edges = edges(Level::Portable, &list, z);
+        for &level in Level::available() {
+            let (mut positions, mut odd) = (vec![[0.0_f32; 3]; list.len()], vec![]);
+            let mut normals = vec![[0.0_f32; 3]; list.len()];
+            let out =
+                Vertices { positions: &mut positions, normals: Some(&mut normals), odd: &mut odd };
+            let told = Told(|_| Some([-1.5, -0.5, 0.5, 1.5]));
+            cubic_vertices_at(level, &samples, &FIELD, &edges, &told, out);
+            for n in (0..list.len()).filter(|&n| !odd.contains(&(n as u32))) {
+                let (axis, low) = edges.get(n);
+                let is_inner = (0..3).all(|k| {
+                    let (low, margin) = (low[k] as usize, if k == axis { 3 } else { 2 });
+                    low >= margin && low + usize::from(k == axis) + margin < dims[k]
+                });
+                let length: f32 = normals[n].iter().map(|c| c * c).sum();
+                let is_told = normals[n][0] == n as f32 && normals[n][2] == 2.0;
+                assert!(is_told != is_inner, "{level}: {axis}, {low:?}: {:?}", normals[n]);
+                assert!(is_told || (length - 1.0).abs() < 1e-6, "{level}: {:?}", normals[n]);
+                made += usize::from(!is_told);
+            }
+        }
+    }
+    assert!(made > 1000, "{made} normals");
+}
