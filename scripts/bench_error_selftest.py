@@ -101,6 +101,15 @@ def distances(tally: Tally) -> None:
     every = [to_triangles(np.broadcast_to(p, corners[0].shape), *corners).min() for p in points]
     apart = np.abs(np.array(every) - to_mesh(mesh, points, SPACING)).max()
     tally.check("to the mesh", "near triangles are enough", apart < 1e-12, apart)
+    # Needles around one corner of a large triangle: all vertices near that corner are theirs.
+    turns = np.linspace(0.02, 0.5, 12)[:, None]
+    tips = np.concatenate([1e-3 * np.cos(turns), 1e-3 * np.sin(turns), 0 * turns], axis=1)
+    large = [[0, 0, 0], [1, 0, 0], [0, -1, 0]]
+    needles = [[0, n, n + 1] for n in range(3, 14)]
+    fan = Mesh(np.concatenate([large, tips]), np.array([[0, 2, 1], *needles]))
+    above = np.concatenate([[[2e-3, -1e-4, 1e-5]], np.tile(tips[0], (20, 1))])
+    found = to_mesh(fan, above, SPACING)[0]
+    tally.check("to the mesh", "needles hide nothing", abs(found - 1e-5) < 1e-12, found)
     square = ((points[:, None] - mesh.vertices[None]) ** 2).sum(axis=2)
     found = near(mesh.vertices, points, SPACING, 4)
     same = np.allclose(np.sort(square, axis=1)[:, :4], np.take_along_axis(square, found, axis=1))
