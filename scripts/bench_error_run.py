@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures run time against error of isokit and its peers on surfaces that are known, with plots.
 
-Started by `scripts/bench_error`, which installs the peers and builds the program. Each field is
+Started by `scripts/bench_error`, which installs the peers and builds isokit's driver. Each field is
 sampled on lattices of several sizes; each tool makes its mesh once, which is compared with the
 surface of the field, and is then timed in turn with the others. The files go to
 scripts/results/DATE-CPU/error, those of a quick run to target/bench/error. Each field has a file
@@ -11,7 +11,6 @@ and by size. Table and plots are of all that lies there.
 
 import argparse
 import datetime
-import hashlib
 import json
 import sys
 import tempfile
@@ -22,7 +21,8 @@ import numpy as np
 from kit import bench_error_output, bench_machine
 from kit.bench_error_fields import FIELDS, Field
 from kit.bench_error_measure import errors
-from kit.bench_error_tools import OWN, modes, tools
+from kit.bench_error_offsets import best_by_offsets
+from kit.bench_error_tools import MODES, OWN, is_double, making, tools
 from kit.bench_measure import quartiles
 from kit.bench_volumes import NAMES, Volume
 from kit.bench_worker import Failed
@@ -33,7 +33,8 @@ SIZES = {
     "usual": (32, 48, 64, 96, 128),
     "full": (32, 64, 128, 256, 512),
 }
-PROGRAM = PROJECT / "target/release/isokit"
+BALANCED = f"{OWN} cubic"
+"""The mode whose mesh is put beside the best that moving its vertices can make of it."""
 ROUNDS = {"quick": 3, "usual": 7, "full": 15}
 CLOUD = {"quick": 10_000, "usual": 20_000, "full": 100_000}
 """Points on the surface whose distance from the mesh is measured."""
@@ -62,54 +63,63 @@ def parse() -> argparse.Namespace:
     parser.add_argument(
         "--mode",
         action="append",
-        default=[],
-        help="one more mode of isokit, as options in one word",
+        help="a mode of isokit in place of the usual ones, as 'cubic refine=1 balance'; repeat it",
     )
     parser.add_argument("--out", type=Path, help="the folder to write to")
     parser.add_argument(
         "--busy", action="store_true", help="go on although the machine is; the table will say so"
     )
     parser.add_argument("--note", default="", help="a line for the table")
-    parser.add_argument("--program", type=Path, default=PROGRAM, help=argparse.SUPPRESS)
     parser.add_argument("--load", type=float, help=argparse.SUPPRESS)
     parser.add_argument("--from", dest="base", type=Path, default=Path(), help=argparse.SUPPRESS)
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    try:
+        for mode in arguments.mode or ():
+            making(mode)
+    except ValueError as error:
+        parser.error(str(error))
+    return arguments
 
 
 class Run:
     """The settings of one run, and what it measures."""
 
     def __init__(self, arguments: argparse.Namespace, scratch: Path) -> None:
-        """Asks the program for its modes."""
+        """Starts nothing yet."""
         self.scale = "quick" if arguments.quick else "full" if arguments.full else "usual"
         self.sizes = arguments.sizes or SIZES[self.scale]
         self.rounds = arguments.rounds or ROUNDS[self.scale]
         self.dtype, self.threads = np.dtype(arguments.dtype), arguments.threads
         self.scratch = scratch
-        self.modes = modes(arguments.program, arguments.mode)
+        self.modes = list(arguments.mode or MODES)
         self.absent = bench_machine.absent(PROJECT / ".venv-bench/absent")
-        self.tools = tools(arguments.program, self.modes, self.absent, self.threads)
+        self.tools = tools(self.modes, self.absent, self.threads)
         self.failed = False
 
     def field(self, name: str) -> dict:
         """All sizes of one field."""
         field = FIELDS[name]()
         cloud = field.cloud(CLOUD[self.scale])
-        points, skipped, sampling = [], [], {}
+        points, best, skipped, sampling = [], [], [], {}
         for n in self.sizes:
-            start = time.perf_counter()
-            samples = field.sample(n, self.dtype)
-            sampling[str(n)] = time.perf_counter() - start
-            path = self.scratch / f"{name}_{n}.raw"
-            samples.tofile(path)
-            del samples
-            volume = Volume(f"{name} {n}", (n, n, n), NAMES[self.dtype.name], 0.0, path)
-            for tool, found in self._size(volume, field, cloud, skipped).items():
+            volumes, sampling[str(n)] = self._volumes(name, field, n)
+            for tool, found in self._size(volumes, field, cloud, skipped).items():
                 points.append({"n": n, "h": 2 / (n - 1), "tool": tool, **found})
-            path.unlink()
+            if BALANCED in self.tools and field.area:
+                try:
+                    mesh = self.tools[BALANCED].mesh(self.scratch / "mesh")
+                except Failed:
+                    pass  # which was said when it was measured
+                else:
+                    figures = errors(best_by_offsets(mesh, field), field, cloud, 2 / (n - 1))
+                    best.append({"n": n, "h": 2 / (n - 1), **figures})
+            for volume in volumes.values():
+                volume.path.unlink(missing_ok=True)
         thickness = field.thickness if np.isfinite(field.thickness) else None
         return {
             "field": name,
+            "smooth": field.smooth,
+            "diameter": float(np.ptp(cloud, axis=0).max()),
             "closed": field.closed,
             "thickness": thickness,
             "rounds": self.rounds,
@@ -121,7 +131,23 @@ class Run:
             "skipped": skipped,
             "sampling_s": sampling,
             "points": points,
+            "best_by_offsets": best,
         }
+
+    def _volumes(self, name: str, field: Field, n: int) -> tuple[dict[bool, Volume], float]:
+        """The samples as all tools get them, those as f64, and how long the first took to make."""
+        volumes, seconds = {}, 0.0
+        kinds = {False: self.dtype, True: np.dtype(np.float64)}
+        for double, dtype in kinds.items():
+            if double and not any(map(is_double, self.tools)):
+                continue
+            start = time.perf_counter()
+            samples = field.sample(n, dtype)
+            seconds = seconds or time.perf_counter() - start
+            path = self.scratch / f"{name}_{n}_{dtype.name}.raw"
+            samples.tofile(path)
+            volumes[double] = Volume(f"{name} {n}", (n, n, n), NAMES[dtype.name], 0.0, path)
+        return volumes, seconds
 
     def close(self) -> None:
         """Ends all processes."""
@@ -129,10 +155,15 @@ class Run:
             tool.close()
 
     def _size(
-        self, volume: Volume, field: Field, cloud: np.ndarray, skipped: list[str]
+        self,
+        volumes: dict[bool, Volume],
+        field: Field,
+        cloud: np.ndarray,
+        skipped: list[str],
     ) -> dict[str, dict]:
         """All tools on one lattice: meshes first, then time, round by round."""
         found: dict[str, dict] = {}
+        volume = volumes[False]
 
         def skip(name: str, failure: Failed) -> None:
             found.pop(name, None)
@@ -143,7 +174,7 @@ class Run:
 
         for name, tool in self.tools.items():
             try:
-                tool.take(volume)
+                tool.take(volumes[is_double(name)])
                 mesh = tool.mesh(self.scratch / "mesh")
                 found[name] = errors(mesh, field, cloud, 2 / (volume.dims[0] - 1))
                 found[name]["seconds"] = []
@@ -174,24 +205,17 @@ def joined(old: dict, new: dict) -> dict:
     if any(old.get(key) != new[key] for key in alike):
         return new
     kept = [point for point in old["points"] if str(point["n"]) not in new["sampling_s"]]
+    best = old["best_by_offsets"]
+    kept_best = [point for point in best if str(point["n"]) not in new["sampling_s"]]
     sampling = old["sampling_s"] | new["sampling_s"]
     return new | {
         "points": sorted(kept + new["points"], key=lambda point: point["n"]),
+        "best_by_offsets": sorted(kept_best + new["best_by_offsets"], key=lambda point: point["n"]),
         "sampling_s": dict(sorted(sampling.items(), key=lambda item: int(item[0]))),
         "loads": old["loads"] + new["loads"],
         "skipped": list(dict.fromkeys(old["skipped"] + new["skipped"])),
         "warning": old["warning"] or new["warning"],
     }
-
-
-def versions(program: Path) -> dict[str, str]:
-    """Those of the project and all packages; a program from elsewhere speaks for itself."""
-    found = bench_machine.versions()
-    if program != PROGRAM:
-        digest = hashlib.sha256(program.read_bytes()).hexdigest()
-        said = bench_machine.words(program, "--version")
-        found["isokit"] = f"{said.removeprefix('isokit ')}, not built here, SHA-256 {digest[:16]}"
-    return found
 
 
 def main() -> int:
@@ -207,8 +231,8 @@ def main() -> int:
             return 2
     date = datetime.date.today().isoformat()
     machine = bench_machine.facts()
-    facts = {"schema": "isokit.bench-error/1", "date": date, "machine": machine}
-    facts |= {"versions": versions(arguments.program), "note": arguments.note, "warning": warning}
+    facts = {"schema": "isokit.bench-error/2", "date": date, "machine": machine}
+    facts |= {"versions": bench_machine.versions(), "note": arguments.note, "warning": warning}
     folder = PROJECT / f"scripts/results/{date}-{bench_machine.short(machine['cpu'])}/error"
     if arguments.quick:
         folder = PROJECT / "target/bench/error"

@@ -2,15 +2,22 @@
 """Shows that `scripts/bench_error` measures what it says, on meshes whose errors are known.
 
 Fields against their own formulas, distances against all triangles one by one, topology against
-spoilt meshes. Needs numpy only; the benchmark itself is not run.
+spoilt meshes, what must be found against curves that are straight lines. Needs numpy only; the
+benchmark itself is not run.
 """
 
 import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 from kit.bench_error_fields import CENTRE, FIELDS, Smooth, Sphere, length, unit
 from kit.bench_error_measure import CORNERS, WEIGHTS, errors, near, to_mesh, to_triangles
-from kit.bench_error_mesh import Mesh, topology
+from kit.bench_error_mesh import Mesh, from_arrays, topology
+from kit.bench_error_must import figures as promised
+from kit.bench_error_must import reach
+from kit.bench_error_offsets import best_by_offsets
+from kit.bench_error_tools import MODES, making
 from kit.tally import Tally
 
 SPACING = 0.1
@@ -94,6 +101,15 @@ def distances(tally: Tally) -> None:
     every = [to_triangles(np.broadcast_to(p, corners[0].shape), *corners).min() for p in points]
     apart = np.abs(np.array(every) - to_mesh(mesh, points, SPACING)).max()
     tally.check("to the mesh", "near triangles are enough", apart < 1e-12, apart)
+    # Needles around one corner of a large triangle: all vertices near that corner are theirs.
+    turns = np.linspace(0.02, 0.5, 12)[:, None]
+    tips = np.concatenate([1e-3 * np.cos(turns), 1e-3 * np.sin(turns), 0 * turns], axis=1)
+    large = [[0, 0, 0], [1, 0, 0], [0, -1, 0]]
+    needles = [[0, n, n + 1] for n in range(3, 14)]
+    fan = Mesh(np.concatenate([large, tips]), np.array([[0, 2, 1], *needles]))
+    above = np.concatenate([[[2e-3, -1e-4, 1e-5]], np.tile(tips[0], (20, 1))])
+    found = to_mesh(fan, above, SPACING)[0]
+    tally.check("to the mesh", "needles hide nothing", abs(found - 1e-5) < 1e-12, found)
     square = ((points[:, None] - mesh.vertices[None]) ** 2).sum(axis=2)
     found = near(mesh.vertices, points, SPACING, 4)
     same = np.allclose(np.sort(square, axis=1)[:, :4], np.take_along_axis(square, found, axis=1))
@@ -149,6 +165,112 @@ def faults(tally: Tally) -> None:
     tally.check("faults", "edges along the border may be open", counts[0] > 0 == counts[1], counts)
 
 
+def offsets(tally: Tally) -> None:
+    """What is called the best is better than any other."""
+    field, cloud = Sphere(), Sphere().cloud(2000)
+    mesh = ball(3, field.radius)
+    best = best_by_offsets(mesh, field)
+    before, after = (errors(m, field, cloud, SPACING)["forward_rms"] for m in (mesh, best))
+    tally.check("offsets", "less than half is left", after < 0.5 * before, f"{after / before:.3f}")
+    random = np.random.default_rng(5)
+    _, normals = field.nearest(best.vertices)
+    for size in (1e-6, 1e-5, 1e-4):
+        push = size * random.choice([-1.0, 1.0], len(normals))
+        for way in (push, -push, np.full(len(normals), size), np.full(len(normals), -size)):
+            other = Mesh(best.vertices + way[:, None] * normals, best.triangles)
+            found = errors(other, field, cloud, SPACING)["forward_rms"]
+            tally.check("offsets", f"{size:g} aside is worse", found > after, found - after)
+    again = best_by_offsets(best, field)
+    moved = length(again.vertices - best.vertices).max()
+    tally.check("offsets", "the best stays where it is", moved < 0.01 * before, moved)
+
+
+def curve(tool: str, sizes: tuple[int, ...], error: float, order: float, ms: float) -> list[dict]:
+    """A tool whose error and time are powers: `error` and `ms` at the spacing 1/100."""
+    points = []
+    for n in sizes:
+        h = 2 / (n - 1)
+        seconds = 1e-3 * ms * (0.01 / h) ** 3
+        wrong = error * (h / 0.01) ** order
+        keys = ("vertex_rms", "rms", "vertex_angle", "volume_error")
+        point = {"n": n, "h": h, "tool": tool, "triangles": n * n, "quartiles": [seconds] * 3}
+        points.append(point | dict.fromkeys(keys, wrong))
+    return points
+
+
+def promises(tally: Tally) -> None:
+    """Figures of tools whose errors and times are known at every size."""
+    sizes = (33, 51, 101, 201)
+    line = curve("a", sizes, 1e-4, 2, 8)
+    for error, ms, bound in ((1e-4, 8, ""), (4e-4, 1, ""), (1e-2, 8 * (32 / 200) ** 3, "<")):
+        found = reach(line, "rms", error)
+        near_it = abs(found.seconds / (1e-3 * ms) - 1) < 1e-9
+        tally.check("reach", f"{error:g} in {ms:.3g} ms", near_it and found.bound == bound, found)
+    tally.check("reach", "what was not seen is not told", reach(line, "rms", 1e-6) is None)
+    found = reach(line, "rms", 1e-6, beyond=True)
+    right = abs(found.seconds / 8 - 1) < 1e-9 and found.bound == "≥"
+    tally.check("reach", "a line goes on", right, found)
+    flat = [point | {"rms": 1e-4} for point in line]
+    tally.check("reach", "nothing goes on flat", reach(flat, "rms", 1e-6, beyond=True) is None)
+
+    points = curve("isokit cubic", sizes, 2e-5, 4, 10)
+    points += curve("vtk Flying Edges", sizes, 1e-4, 2, 8)
+    points += curve("PyMCubes", sizes, 1e-4, 2, 80)
+    points += [point | {"rms": 1e-5} for point in curve("isokit cubic balance", sizes, 1e-9, 4, 20)]
+    for placement, order in (("linear", 2), ("cubic", 4), ("quintic", 5.2)):
+        points += curve(f"isokit {placement} exact f64", sizes, 1e-3, order, 0.01)
+    best = [{"n": n, "h": 2 / (n - 1), "rms": 8e-6, "triangles": n * n} for n in sizes]
+    run = {"field": "ball", "smooth": True, "diameter": 2.0, "points": points}
+    found = promised([run | {"best_by_offsets": best}, run | {"smooth": False}])
+    by_name = {figure.what: figure for figure in found}
+    tally.check("promises", "each is there once", len(by_name) == len(found) == 8, sorted(by_name))
+    # 2e-6 of vertices: ours from 2e-5 in h^4, 10 ms in h^-3; theirs from 1e-4 in h^2, 8 ms.
+    theirs, ours = 8 * 50**1.5, min(10 * 10**0.75, 20 * (1e-9 / 2e-6) ** 0.75)
+    ours = max(ours, 20 * (32 / 200) ** 3)  # its coarsest mesh is better already
+    expected = {
+        "time to vertices of RMS 1e-06, times less": (theirs / ours, True),
+        "surface RMS of balance over the best by offsets, 201³": (1.25, False),
+        "volume error of balance over that before, 201³": (1e-9 / 2e-5, True),
+        "order of vertices, linear": (2.0, True),
+        "order of vertices, quintic": (5.2, False),
+        "order of normals, cubic": (4.0, True),
+    }
+    for what, (value, holds) in expected.items():
+        figure = by_name[what]
+        right = abs(figure.value / value - 1) < 1e-9 and figure.holds() == holds
+        tally.check("promises", what, right, f"{figure.value}, not {value}")
+    first = by_name["time to vertices of RMS 1e-06, times less"]
+    tally.check("promises", "a bound is said", first.bound == "≥ ", first)
+    tally.check("promises", "the best peer is named", "Flying Edges" in first.beside, first.beside)
+    said = {figure.what: figure.row()["holds"] for figure in found}
+    wrong = [what for what, figure in by_name.items() if (said[what] == "yes") != figure.holds()]
+    tally.check("promises", "the table says what holds", not wrong, wrong)
+    tally.check("promises", "and what does not", "**no**" in said.values(), said)
+
+
+def driver(tally: Tally, folder: Path) -> None:
+    """Words of modes, and the file that a mesh comes in."""
+    for mode in MODES:
+        asked = making(mode)
+        tally.check("modes", f"{mode} names its placement", asked["placement"] in mode.split())
+    asked = making("cubic refine=2 balance")
+    tally.check("modes", "divided and balanced", (asked["refine"], asked["balance"]) == (2, True))
+    try:
+        making("cubic best")
+    except ValueError:
+        refused = True
+    else:
+        refused = False
+    tally.check("modes", "an unknown word is refused", refused)
+    mesh, path = ball(1, 0.7), folder / "mesh.bin"
+    samples = (mesh.vertices + 1) / SPACING
+    parts = (samples.astype("<f8"), mesh.normals.astype("<f4"), mesh.triangles.astype("<u4"))
+    path.write_bytes(b"".join(part.tobytes() for part in parts))
+    found = from_arrays(path, len(samples), len(mesh.triangles), 21)
+    same = np.allclose(found.vertices, mesh.vertices) and (found.triangles == mesh.triangles).all()
+    tally.check("modes", "a mesh comes as it was sent", same and len(found.normals) == len(samples))
+
+
 def main() -> int:
     """All of it."""
     tally = Tally("bench_error_selftest")
@@ -156,6 +278,10 @@ def main() -> int:
     figures(tally)
     distances(tally)
     faults(tally)
+    offsets(tally)
+    promises(tally)
+    with tempfile.TemporaryDirectory() as folder:
+        driver(tally, Path(folder))
     return tally.finish()
 
 

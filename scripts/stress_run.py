@@ -13,6 +13,8 @@ import argparse
 import datetime
 import sys
 import tempfile
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -43,9 +45,14 @@ class PeerTool:
 
     def judge(self, item: Item, quick: bool) -> Verdict:
         """All cases of an item."""
-        verdict, plain = Verdict(), {}
+        verdict, plain, taken = Verdict(), {}, 0.0
         for case in item.cases(quick):
+            if taken > self.limit_s:
+                verdict.untried.append(case.name)
+                continue
+            start = time.monotonic()
             answer = self.ask(case)
+            taken += time.monotonic() - start
             if isinstance(answer, str):
                 verdict.add(case.name, "", {answer: 1})
             elif "refused" in answer:
@@ -124,6 +131,14 @@ def listed(modes: Modes, item: Item, verdict: Verdict, scratch: Path) -> None:
             verdict.add(other.name, str(LISTED), found)
 
 
+def timed(judge: Callable[[], Verdict]) -> Verdict:
+    """A verdict that knows how long it took, with the checks."""
+    start = time.monotonic()
+    verdict = judge()
+    verdict.seconds = time.monotonic() - start
+    return verdict
+
+
 def shape_differs(one: Mesh | None, other: Mesh | None) -> int:
     """1 if two meshes differ, normals aside: those of samples of more bits are rounded later."""
     if one is None or other is None:
@@ -164,11 +179,14 @@ def run(arguments: argparse.Namespace, scratch: Path, absent: dict[str, str], li
     results: stress_output.Results = {}
     for number in arguments.only or sorted(ITEMS):
         item = ITEMS[number]
-        row = {"isokit": judge_isokit(modes, item, arguments.quick, scratch)}
-        row |= {peer.name: peer.judge(item, arguments.quick) for peer in peers}
+        row = {
+            "isokit": timed(lambda item=item: judge_isokit(modes, item, arguments.quick, scratch))
+        }
+        for peer in peers:
+            row[peer.name] = timed(lambda peer=peer, item=item: peer.judge(item, arguments.quick))
         results[number] = row
         if peers:
-            cells = "; ".join(f"{tool} {verdict.cell()}" for tool, verdict in row.items())
+            cells = "; ".join(f"{tool} {v.cell()} in {v.seconds:.0f} s" for tool, v in row.items())
             print(f"{number} {item.name}: {cells}", flush=True)
     for peer in peers:
         peer.close()
@@ -179,7 +197,7 @@ def main() -> int:
     """Runs the list and writes."""
     arguments = parse()
     tally = Tally("stress")
-    limit_s = 60 if arguments.quick else 600
+    limit_s = 120
     absent = bench_machine.absent(PROJECT / ".venv-bench/absent")
     absent = {} if arguments.no_peers else {k: v for k, v in absent.items() if k in PEERS}
     with tempfile.TemporaryDirectory() as folder:

@@ -43,6 +43,8 @@ class Field(ABC):
     """With samples further apart than this a lattice cannot see the surface."""
     closed = True
     """Whether it stays within the cube; if not, it is judged within `WINDOW`."""
+    smooth = True
+    """Whether value and surface are smooth. Creases, or walls as thin as cells, have no order."""
 
     @abstractmethod
     def value(self, points: np.ndarray) -> np.ndarray:
@@ -193,6 +195,7 @@ class Shell(Field):
     """A hollow sphere with a thin wall: the distance to its middle is what makes the field."""
 
     euler, components = 4, 2
+    smooth = False
     radius, thickness = 0.65, 0.05
     _radii = np.array([radius - thickness / 2, radius + thickness / 2])
     area, volume = 4 * np.pi * (_radii**2).sum(), 4 / 3 * np.pi * (_radii[1] ** 3 - _radii[0] ** 3)
@@ -213,6 +216,7 @@ class Drilled(Field):
     """The signed distance of a box less a cylinder: flat faces, a curved one, creases."""
 
     euler, components = 0, 1
+    smooth = False
     half, radius = np.array([0.55, 0.45, 0.4]), 0.25
     thickness = half[1] - radius
     area = 8 * (half * np.roll(half, 1)).sum() + 2 * np.pi * radius * (2 * half[2] - radius)

@@ -24,6 +24,13 @@ CHUNK = 1 << 17
 NEAREST = 4
 """Vertices whose triangles are tried."""
 
+AGAIN = 24
+"""The same for the tenth of all points that seems farthest.
+
+Where thin triangles meet, the vertices nearest to a point are all theirs, and none is of the large
+triangle under it.
+"""
+
 DOUBTED = 0.02
 """Distance from which on a nearest point is compared with that found from the cloud."""
 
@@ -151,13 +158,22 @@ def spread(starts: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 def to_mesh(mesh: Mesh, points: np.ndarray, spacing: float) -> np.ndarray:
     """The distance of each point from the triangles around the vertices nearest to it."""
+    result = by_vertices(mesh, points, spacing, NEAREST)
+    far = np.flatnonzero(result > np.quantile(result, 0.9))
+    result[far] = np.minimum(result[far], by_vertices(mesh, points[far], spacing, AGAIN))
+    return result
+
+
+def by_vertices(mesh: Mesh, points: np.ndarray, spacing: float, count: int) -> np.ndarray:
+    """The least distance of each point from a triangle around one of `count` vertices near it."""
     corner = mesh.triangles.ravel()
     by_vertex = np.argsort(corner, kind="stable")
     used, starts, counts = np.unique(corner[by_vertex], return_index=True, return_counts=True)
     result = np.empty(len(points))
-    for low in range(0, len(points), CHUNK // 16):
-        part = points[low : low + CHUNK // 16]
-        vertices = near(mesh.vertices[used], part, 1.5 * spacing, NEAREST)
+    step = max(CHUNK * NEAREST // (16 * count), 1)
+    for low in range(0, len(points), step):
+        part = points[low : low + step]
+        vertices = near(mesh.vertices[used], part, 1.5 * spacing, count)
         many = counts[vertices.ravel()]
         faces = by_vertex[spread(starts[vertices.ravel()], many)] // 3
         owner = np.repeat(np.repeat(np.arange(len(part)), vertices.shape[1]), many)

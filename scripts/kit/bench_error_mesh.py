@@ -32,21 +32,13 @@ class Mesh:
         return cls(world, np.asarray(triangles, np.int64), normals)
 
 
-def from_ply(path: Path, n: int) -> Mesh:
-    """A PLY file as isokit writes it: f32 vertices, maybe normals, triangles."""
-    data = path.read_bytes()
-    end = data.index(b"end_header\n") + len(b"end_header\n")
-    header = data[:end].decode().splitlines()
-    if "format binary_little_endian 1.0" not in header:
-        raise ValueError(f"{path} is not a binary PLY file")
-    counts = {words[1]: int(words[2]) for words in map(str.split, header) if words[0] == "element"}
-    columns = [line.split()[2] for line in header if line.startswith("property float ")]
-    corner = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
-    table = np.frombuffer(data, "<f4", counts["vertex"] * len(columns), end)
-    table = table.reshape(-1, len(columns)).astype(np.float64)
-    faces = np.frombuffer(data, corner, counts["face"], end + 4 * table.size)
-    normals = table[:, 3:6] if columns[3:6] == ["nx", "ny", "nz"] else None
-    return Mesh.from_samples(table[:, :3], faces["corners"], normals, n)
+def from_arrays(path: Path, vertices: int, triangles: int, n: int) -> Mesh:
+    """A file of isokit's driver: positions as f64, normals as f32, triangles as u32, no header."""
+    with path.open("rb") as file:
+        places = np.fromfile(file, "<f8", 3 * vertices).reshape(-1, 3)
+        normals = np.fromfile(file, "<f4", 3 * vertices).reshape(-1, 3).astype(np.float64)
+        corners = np.fromfile(file, "<u4", 3 * triangles).reshape(-1, 3)
+    return Mesh.from_samples(places, corners, normals, n)
 
 
 @dataclass

@@ -1,12 +1,11 @@
 """Table of the runs of `scripts/bench_error` that lie in a folder, a file for each field."""
 
 import json
-import math
 from pathlib import Path
-from statistics import linear_regression
 
-from kit import bench_error_plots
+from kit import bench_error_must, bench_error_plots
 from kit.bench_error_fields import FIELDS
+from kit.bench_error_must import FINEST, by_tool, reach, slope
 
 METHOD = """\
 Each field is given at n³ points of the cube from -1 to 1, a distance h = 2/(n - 1) apart; positive
@@ -14,8 +13,9 @@ is inside. Lengths are in units of which the cube has two.
 
 *Time* is the median, in parentheses the middle half, of cold runs from the samples in memory to the
 mesh in memory, one thread unless said otherwise; tools take turns. isokit and what can make normals
-make them. isokit's is the extraction in its own report, the second of two in a process. Sampling
-the field is not in it. meshlib takes all cores. SurfaceNets gets labels, made off the clock.
+make them; what `refine` and `balance` do counts. Sampling the field is not in it. meshlib takes all
+cores. SurfaceNets gets labels, made off the clock. Modes of isokit with *f64* get samples as f64 and
+give positions as f64, whatever the others get.
 
 On a busy machine short runs slip between interruptions and long ones do not: then times favour the
 fast, and ratios of times say too much.
@@ -25,7 +25,7 @@ vertices and at seven points in each triangle, weighted with area; and of points
 surface from the mesh, which can only come out too large. Those points are chance ones, so the
 greatest of that direction comes out too small. *Vertices* is the RMS distance of vertices alone.
 *Normals* are RMS angles in degrees: of the vertex normals that a tool gives, and of faces, weighted
-with area. *Order* is the slope of a line through the three finest lattices, as log of error by log
+with area. *Order* is the slope of a line through the four finest lattices, as log of error by log
 of h; a noisy slope says little. Surfaces that leave the cube are judged within 80 % of it.
 
 *Faults*: edges of one triangle (not counted along the border of the cube if the surface leaves it)
@@ -39,9 +39,6 @@ ERRORS = {
     "vertex normals": "vertex_angle",
     "face normals": "face_angle",
 }
-FINEST = 3
-"""Lattices through which a line is laid."""
-
 
 def write(folder: Path) -> None:
     """Table and plots of all files that are there."""
@@ -75,6 +72,9 @@ def table(runs: list[dict]) -> str:
         METHOD,
         "",
     ]
+    promised = [figure.row() for figure in bench_error_must.figures(runs)]
+    if promised:
+        parts += ["## Must", "", *markdown(promised), "", bench_error_must.METHOD, ""]
     warnings = dict.fromkeys(run["warning"] for run in runs if run["warning"])
     parts[2:2] = [line for warning in warnings for line in (f"**{warning}**", "")][:2]
     for run in runs:
@@ -88,7 +88,7 @@ def table(runs: list[dict]) -> str:
 
 def section(run: dict, first: dict) -> list[str]:
     """One field."""
-    curves = by_tool(run)
+    curves = by_tool(run["points"])
     finest = max(point["n"] for point in run["points"])
     threads = f"{run['threads']} thread{'s' * (run['threads'] > 1)}"
     head = f"{run['rounds']} rounds, {run['dtype']}, {threads}; "
@@ -113,14 +113,6 @@ def section(run: dict, first: dict) -> list[str]:
 def same(run: dict) -> tuple:
     """What makes figures comparable."""
     return run["date"], run["machine"]["cpu"], run["versions"]["isokit"]
-
-
-def by_tool(run: dict) -> dict[str, list[dict]]:
-    """The points of each tool, coarse to fine."""
-    curves: dict[str, list[dict]] = {}
-    for point in sorted(run["points"], key=lambda point: point["n"]):
-        curves.setdefault(point["tool"], []).append(point)
-    return curves
 
 
 def finest_rows(curves: dict[str, list[dict]], n: int) -> list[dict[str, str]]:
@@ -148,11 +140,7 @@ def order_rows(curves: dict[str, list[dict]]) -> list[dict[str, str]]:
         row = {"": tool}
         for name, key in ERRORS.items():
             known = [point for point in points if point.get(key)][-FINEST:]
-            slope = ""
-            if len(known) == FINEST:
-                xs, ys = ([math.log(point[what]) for point in known] for what in ("h", key))
-                slope = f"{linear_regression(xs, ys).slope:.2f}"
-            row[name] = slope
+            row[name] = f"{slope(known, key):.2f}" if len(known) == FINEST else ""
         rows.append(row)
     return rows
 
@@ -160,13 +148,17 @@ def order_rows(curves: dict[str, list[dict]]) -> list[dict[str, str]]:
 def time_rows(curves: dict[str, list[dict]]) -> list[dict[str, str]]:
     """When each tool gets to errors that at least two of them get to."""
     steps = [digit * 10.0**-power for power in range(1, 13) for digit in (3, 1)]
-    shared = [
-        e for e in steps if sum(crossing(points, e) is not None for points in curves.values()) >= 2
-    ]
+    shared = [e for e in steps if sum(crosses(points, e) for points in curves.values()) >= 2]
     rows = []
     for tool, points in curves.items():
         rows.append({"": tool} | {f"{e:.0e}": reached(points, e) for e in shared[-4:]})
     return rows if shared else []
+
+
+def crosses(points: list[dict], error: float) -> bool:
+    """Whether the curve goes through an error."""
+    found = reach(points, "rms", error)
+    return found is not None and not found.bound
 
 
 def reached(points: list[dict], error: float) -> str:
@@ -174,29 +166,15 @@ def reached(points: list[dict], error: float) -> str:
     known = [point for point in points if point.get("rms")]
     if not known:
         return "-"
-    if known[0]["rms"] <= error:
-        return f"< {1e3 * known[0]['quartiles'][1]:.2f}" + mark(known[:1])
-    found = crossing(points, error)
+    found = reach(known, "rms", error)
     if found is None:
         return f"- (best {min(point['rms'] for point in known):.1e})"
-    seconds, ends = found
-    return f"{1e3 * seconds:.2f}" + mark(ends)
+    return f"{found.bound}{1e3 * found.seconds:.2f}" + mark(found.ends)
 
 
-def mark(points: list[dict]) -> str:
+def mark(points: tuple[dict, ...]) -> str:
     """A ring if one of the meshes is broken."""
     return " ○" if any(point["faults"] for point in points) else ""
-
-
-def crossing(points: list[dict], error: float) -> tuple[float, list[dict]] | None:
-    """When the curve first goes below an error, straight between its points in log-log."""
-    known = [point for point in points if point.get("rms")]
-    for one, other in zip(known, known[1:], strict=False):
-        if one["rms"] > error >= other["rms"]:
-            share = math.log(one["rms"] / error) / math.log(one["rms"] / other["rms"])
-            start, end = one["quartiles"][1], other["quartiles"][1]
-            return start * (end / start) ** share, [one, other]
-    return None
 
 
 def faults(run: dict) -> list[str]:

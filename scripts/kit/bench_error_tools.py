@@ -1,19 +1,15 @@
-"""The contenders of `scripts/bench_error`: the program in each of its modes, and peers from Python.
+"""The contenders of `scripts/bench_error`: isokit in each of its modes, and peers from Python.
 
 Each takes a volume, gives its mesh back once, and then runs on request and says how long it took.
 """
 
-import json
-import os
-import re
-import subprocess
 import sys
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
-from kit.bench_error_mesh import Mesh, from_ply
+from kit.bench_error_mesh import Mesh, from_arrays
 from kit.bench_peers import PEERS
 from kit.bench_volumes import Volume
 from kit.bench_worker import COLD, Failed, Worker
@@ -32,6 +28,32 @@ CHOSEN = (
 
 OWN = "isokit"
 
+DOUBLE = "f64"
+"""The word of modes that get samples as f64 and give positions as f64: orders are seen on them."""
+
+MODES = (
+    "linear",
+    "linear trilinear",
+    "cubic",
+    "cubic exact",
+    "quintic exact",
+    "cubic balance",
+    "cubic refine=1",
+    "cubic refine=1 balance",
+    "cubic refine=2 balance",
+    f"linear exact {DOUBLE}",
+    f"cubic exact {DOUBLE}",
+    f"quintic exact {DOUBLE}",
+)
+"""The modes of isokit.
+
+With *exact* vertices may lie on samples; without, they keep a thousandth of an edge from them, which
+matters beside an error of higher order. *refine=N* divides every edge so often.
+"""
+
+DRIVER = PROJECT / "target/release/examples/bench_error"
+"""isokit on request, built from the example of that name in the crate `isokit`."""
+
 
 class Tool(Protocol):
     """A contender."""
@@ -49,47 +71,46 @@ class Tool(Protocol):
         """Lets go of everything."""
 
 
-class Program:
-    """isokit as a program: extraction as its report has it, without reading and writing."""
+class Own:
+    """isokit in a process of its own: in memory, as the peers."""
 
-    def __init__(self, program: Path, options: list[str], threads: int) -> None:
-        """`options` say the mode."""
-        self.command = [str(program), "extract", "--quiet", "--threads", str(threads)]
-        self.command += ["--boundary", "open", "--nan", "outside", *options]
+    def __init__(self, mode: str, threads: int) -> None:
+        """`mode` in words."""
+        self.making = making(mode) | {"threads": threads}
+        self.command = [str(DRIVER)]
+        self.worker: Worker | None = None
 
     def take(self, volume: Volume) -> None:
-        """Nothing but to remember it."""
+        """Hands it over."""
         self.volume = volume
+        self._ask(volume.request())
 
     def mesh(self, out: Path) -> Mesh:
-        """By way of a PLY file."""
-        path = out.with_suffix(".ply")
-        self._run("--output", str(path))
-        mesh = from_ply(path, self.volume.dims[0])
+        """By way of a file of plain arrays."""
+        path = out.with_suffix(".bin")
+        made = self._ask({"op": "save", "out": str(path), "making": self.making})
+        mesh = from_arrays(path, made["vertices"], made["triangles"], self.volume.dims[0])
         path.unlink()
         return mesh
 
     def seconds(self) -> float:
-        """The second of two runs in one process, as peers have run before too."""
-        report = self.volume.path.with_suffix(".json")
-        self._run("--output", "-", "--format", "ply", "--repeat", "2", "--report", str(report))
-        return json.loads(report.read_text())["timings_s"]["extract_all"][-1]
+        """One run."""
+        return self._ask({"op": "extract"} | self.making)["seconds"]
 
     def close(self) -> None:
-        """Nothing is kept."""
+        """Ends the process."""
+        if self.worker:
+            self.worker.close()
+        self.worker = None
 
-    def _run(self, *more: str) -> None:
-        size = ",".join(map(str, self.volume.dims))
-        what = ["--dims", size, "--dtype", self.volume.dtype, "--iso", str(self.volume.iso)]
-        done = subprocess.run(
-            [*self.command, str(self.volume.path), *what, *more],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            env=os.environ | COLD,
-            check=False,
-        )
-        if done.returncode != 0:
-            raise Failed(done.stderr.decode(errors="replace").strip()[-200:])
+    def _ask(self, request: dict) -> dict:
+        if self.worker is None:
+            self.worker = Worker(self.command, COLD)
+        try:
+            return self.worker.ask(request)
+        except Failed:
+            self.close()
+            raise
 
 
 class Remote:
@@ -140,47 +161,44 @@ class Remote:
             raise
 
 
-def modes(program: Path, extra: list[str]) -> dict[str, list[str]]:
-    """Every mode of the program by name, with its options.
-
-    All placements with all topologies, as its help lists them. Vertices that keep a thousandth of
-    an edge from samples matter beside an error of higher order, so those placements also go
-    without. `extra` are more modes, each a line of options.
-    """
-    help_ = subprocess.run(
-        [str(program), "extract", "--help"], capture_output=True, text=True, check=True
-    )
-    found = {}
-    for placement in values(help_.stdout, "--placement"):
-        for topology in values(help_.stdout, "--topology"):
-            name = f"{OWN} {placement} {topology}"
-            options = ["--placement", placement, "--topology", topology]
-            found[name] = options
-            if placement != "linear":
-                found[f"{name} exact"] = [*options, "--degenerate", "exact"]
-    for line in extra:
-        found[f"{OWN} {line.replace('--', '')}"] = line.split()
-    return found
-
-
-def values(text: str, option: str) -> list[str]:
-    """The values that a help text lists for an option, in either of clap's two forms."""
-    block = re.search(rf"^ +{option} .*\n((?:\s*\n|          .*\n)*)", text, re.MULTILINE)
-    if not block:
-        return []
-    short = re.search(r"\[possible values: (.+?)\]", block[1], re.DOTALL)
-    if short:
-        return re.split(r",\s+", short[1])
-    return re.findall(r"^ +- ([\w-]+)", block[1], re.MULTILINE)
+def making(mode: str) -> dict:
+    """What the words of a mode ask of the driver."""
+    asked = {
+        "placement": "linear",
+        "topology": "table",
+        "exact": False,
+        "double": False,
+        "refine": 0,
+        "max_error": None,
+        "balance": False,
+    }
+    for word in mode.split():
+        name, _, value = word.partition("=")
+        if word in ("linear", "cubic", "quintic"):
+            asked["placement"] = word
+        elif word in ("table", "trilinear"):
+            asked["topology"] = word
+        elif word in ("exact", "balance"):
+            asked[word] = True
+        elif word == DOUBLE:
+            asked["double"] = True
+        elif name == "refine" and value.isdigit():
+            asked["refine"] = int(value)
+        elif name == "max-error":
+            asked["max_error"] = float(value)
+        else:
+            raise ValueError(f"{word!r} is no word of a mode")
+    return asked
 
 
-def tools(
-    program: Path, own: dict[str, list[str]], absent: dict[str, str], threads: int
-) -> dict[str, Tool]:
+def is_double(tool: str) -> bool:
+    """Whether it gets samples as f64 whatever the others get, and gives positions as f64."""
+    return DOUBLE in tool.split()
+
+
+def tools(modes: list[str], absent: dict[str, str], threads: int) -> dict[str, Tool]:
     """Every contender by its name."""
-    found: dict[str, Tool] = {}
-    for name, options in own.items():
-        found[name] = Program(program, options, threads)
+    found: dict[str, Tool] = {f"{OWN} {mode}": Own(mode, threads) for mode in modes}
     for name in CHOSEN:
         if name not in absent:
             found[name] = Remote(name, threads)

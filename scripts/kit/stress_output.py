@@ -26,7 +26,8 @@ No peer promises areas where samples equal the isovalue, so there are two totals
 
 An item has several volumes. *pass*: nothing is wrong with any of those that the tool takes.
 *cannot*: it refuses all of them, with an exception; where it refuses some, their number is given.
-A crash, or no answer within {limit} s, is a failure. Otherwise the cell has the faults of all
+A crash, or no answer within {limit} s, is a failure; and once a peer has taken as long over an item,
+the rest of its volumes are not tried, and their number is given. Otherwise the cell has the faults of all
 volumes, and for isokit of all modes, together. A peer has {memory} GiB of address space."""
 
 
@@ -40,8 +41,12 @@ class Verdict:
     """Meshes that were looked at, or should have been there."""
     refused: dict[str, str] = field(default_factory=dict)
     """The reasons by the names of the cases."""
+    untried: list[str] = field(default_factory=list)
+    """The cases that were left out, because those before them took too long."""
     detail: list[dict] = field(default_factory=list)
     """The faults of each case and mode that has any."""
+    seconds: float = 0.0
+    """How long the item took, its checks included."""
 
     def add(self, case: str, mode: str, found: dict[str, int]) -> None:
         """Counts one mesh."""
@@ -61,8 +66,10 @@ class Verdict:
         if self.judged == 0:
             return "cannot"
         faults = ", ".join(f"{key} {count:,}" for key, count in self.faults.items())
-        some = f" ({len(self.refused)} cannot)" if self.refused else ""
-        return (faults.replace("|", "\\|") or "pass") + some
+        some = [f"{len(self.refused)} cannot"] * bool(self.refused)
+        some += [f"{len(self.untried)} not tried"] * bool(self.untried)
+        tail = f" ({', '.join(some)})" if some else ""
+        return (faults.replace("|", "\\|") or "pass") + tail
 
 
 Results = dict[int, dict[str, Verdict]]

@@ -10,7 +10,10 @@
 //!
 //! A sample that is not finite leaves no value in the cells whose stencils it is in.
 
-use crate::{Jet, ScalarField, Slope, kernel::Stencil};
+use crate::{
+    Jet, ScalarField, Slope,
+    kernel::{Stencil, WIDTH},
+};
 use isokit_geom::Affine;
 use isokit_volume::{Sample, View};
 
@@ -31,40 +34,53 @@ impl<'a, T: Sample> Sampled<'a, T> {
         std::array::from_fn(|axis| Stencil::at(ijk[axis], dims[axis]))
     }
 
-    /// Sums of stored samples over a stencil: for each of the derivatives that are asked for, as orders along
-    /// x, y, z, up to `ORDERS` less one along each.
+    /// The stored samples of a stencil by their places along y, x and z; 0 where the volume has fewer.
+    #[inline(always)]
+    fn stored(&self, [x, y, z]: &[Stencil; 3]) -> [[[f64; WIDTH]; WIDTH]; WIDTH] {
+        let mut stored = [[[0.0; WIDTH]; WIDTH]; WIDTH];
+        for (c, k) in z.samples().enumerate() {
+            for (stored, j) in stored.iter_mut().zip(y.samples()) {
+                for (stored, i) in stored.iter_mut().zip(x.samples()) {
+                    stored[c] = self.view.stored([i, j, k]).to_f64();
+                }
+            }
+        }
+        stored
+    }
+
+    /// Sums of stored samples over a stencil, along x, then y, then z: for each of the derivatives that are
+    /// asked for, as orders along x, y, z, `ORDERS` less one in all at most. The four slices go side by side.
     #[inline(always)]
     fn sums<const ORDERS: usize, const N: usize>(
         &self,
         ijk: [f64; 3],
         asked: [[usize; 3]; N],
     ) -> [f64; N] {
-        let [x, y, z] = self.stencils(ijk);
-        let mut whole = [[[0.0; ORDERS]; ORDERS]; ORDERS];
-        for (c, k) in z.samples().enumerate() {
-            let mut slice = [[0.0; ORDERS]; ORDERS];
-            for (b, j) in y.samples().enumerate() {
-                let mut row = [0.0; ORDERS];
-                for (a, i) in x.samples().enumerate() {
-                    let stored = self.view.stored([i, j, k]).to_f64();
-                    for (order, row) in row.iter_mut().enumerate() {
-                        *row += stored * x.weights[order][a];
-                    }
-                }
-                for (order, slice) in slice.iter_mut().enumerate() {
-                    for (slice, row) in slice.iter_mut().zip(row) {
-                        *slice += row * y.weights[order][b];
+        let stencils = self.stencils(ijk);
+        let [x, y, z] = &stencils;
+        let stored = self.stored(&stencils);
+        let mut slices = [[[0.0; WIDTH]; ORDERS]; ORDERS];
+        for b in 0..WIDTH {
+            let mut rows = [[0.0; WIDTH]; ORDERS];
+            for a in 0..WIDTH {
+                for (row, weights) in rows.iter_mut().zip(&x.weights) {
+                    for (row, stored) in row.iter_mut().zip(&stored[b][a]) {
+                        *row += stored * weights[a];
                     }
                 }
             }
-            for (order, whole) in whole.iter_mut().enumerate() {
-                for (whole, slice) in whole.as_flattened_mut().iter_mut().zip(slice.as_flattened())
-                {
-                    *whole += slice * z.weights[order][c];
+            for (along_y, (slices, weights)) in slices.iter_mut().zip(&y.weights).enumerate() {
+                for (slices, row) in slices[..ORDERS - along_y].iter_mut().zip(&rows) {
+                    for (slice, row) in slices.iter_mut().zip(row) {
+                        *slice += row * weights[b];
+                    }
                 }
             }
         }
-        asked.map(|[x, y, z]| whole[z][y][x])
+        asked.map(|[along_x, along_y, along_z]| {
+            let (slices, weights) = (&slices[along_y][along_x], &z.weights[along_z]);
+            slices.iter().zip(weights).fold(0.0, |sum, (slice, weight)| sum + slice * weight)
+        })
     }
 }
 
@@ -162,6 +178,52 @@ mod tests {
             near(slope.value, jet.value);
             near(field.value(ijk), jet.value);
             (0..3).for_each(|k| near(slope.gradient[k], jet.gradient[k]));
+        }
+    }
+
+    /// Value, first and second derivatives at a place, sample by sample.
+    fn plainly(field: &Sampled<'_, f64>, ijk: [f64; 3]) -> [[[f64; 3]; 3]; 3] {
+        let [x, y, z] = field.stencils(ijk);
+        let mut whole = [[[0.0; 3]; 3]; 3];
+        for n in 0..27 {
+            let [ox, oy, oz] = [n % 3, n / 3 % 3, n / 9];
+            for (c, k) in z.samples().enumerate() {
+                let mut slice = 0.0;
+                for (b, j) in y.samples().enumerate() {
+                    let mut row = 0.0;
+                    for (a, i) in x.samples().enumerate() {
+                        row += field.view.stored([i, j, k]) * x.weights[ox][a];
+                    }
+                    slice += row * y.weights[oy][b];
+                }
+                whole[oz][oy][ox] += slice * z.weights[oz][c];
+            }
+        }
+        whole
+    }
+
+    #[test]
+    fn four_slices_at_a_time_give_the_bits_of_one_sample_at_a_time() {
+        for dims in [[6, 5, 7], [4, 9, 2], [1, 3, 5]] {
+            let volume =
+                volume(dims, |[x, y, z]| (1.7 * x).sin() - (0.9 * y + x).cos() * (z - 0.4));
+            let field = Sampled::new(volume.view());
+            for ijk in places(dims) {
+                let (plain, jet) = (plainly(&field, ijk), field.jet(ijk));
+                let value = plain[0][0][0];
+                let first = [plain[0][0][1], plain[0][1][0], plain[1][0][0]];
+                let [xy, xz, yz] = [plain[0][1][1], plain[1][0][1], plain[1][1][0]];
+                let [xx, yy, zz] = [plain[0][0][2], plain[0][2][0], plain[2][0][0]];
+                let second = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+                assert_eq!(
+                    (jet.value, jet.gradient, jet.hessian),
+                    (value, first, second),
+                    "{ijk:?}"
+                );
+                let slope = field.slope(ijk);
+                assert_eq!((slope.value, slope.gradient), (value, first), "{ijk:?}");
+                assert_eq!(field.value(ijk), value, "{ijk:?}");
+            }
         }
     }
 

@@ -13,13 +13,13 @@ use isokit_job::{CHUNK, Cancelled, Job, in_chunks};
 use isokit_mesh::{Counts, Positions, TriMesh};
 use rayon::prelude::*;
 
-/// Cuts a mesh.
+/// Cuts a mesh. With it come the numbers of the new vertices by their edges.
 pub(crate) fn build(
     (mesh, edges): (&TriMesh, &Edges),
     split: &Split<'_>,
     ground: &Ground<'_>,
     job: &Job,
-) -> Result<TriMesh, RefineError> {
+) -> Result<(TriMesh, Vec<u32>), RefineError> {
     const WHAT: &str = "refined surface";
     let (job, states) = (&job.unwatched(), &split.states[..]);
     let sizes = in_chunks(mesh.triangles.len(), job, |range| {
@@ -43,10 +43,6 @@ pub(crate) fn build(
         numbers.push(next);
         next += u32::from(state != WHOLE);
     }
-    let name = |corner: Corner| match corner {
-        Corner::Vertex(vertex) => vertex,
-        Corner::Edge(edge) => numbers[edge as usize],
-    };
     let mut built = vec![[0_u32; 3]; triangles as usize];
     let (mut parts, mut rest) = (vec![], &mut built[..]);
     for &size in &sizes {
@@ -57,11 +53,18 @@ pub(crate) fn build(
     let fill = |(n, part): (usize, &mut [[u32; 3]])| {
         job.check()?;
         let range = n * CHUNK..mesh.triangles.len().min((n + 1) * CHUNK);
-        let children = range.flat_map(|t| {
+        let mut out = part.iter_mut();
+        let mut put = |triangle| out.by_ref().take(1).for_each(|out| *out = triangle);
+        for t in range {
+            if split.is_whole(t, states) {
+                put(mesh.triangles[t]);
+                continue;
+            }
             let (children, count) = split.children(t, states);
-            children.into_iter().take(count)
-        });
-        part.iter_mut().zip(children).for_each(|(out, child)| *out = child.map(name));
+            for child in &children[..count] {
+                put(child.map(|corner| corner.number(&numbers)));
+            }
+        }
         Ok::<(), Cancelled>(())
     };
     job.threads.run(|| parts.into_par_iter().enumerate().try_for_each(fill))?;
@@ -90,7 +93,7 @@ pub(crate) fn build(
             Some(longer(old, new.into_iter().flatten(), vertices as usize))
         }
     };
-    Ok(TriMesh { positions, normals, triangles: built })
+    Ok((TriMesh { positions, normals, triangles: built }, numbers))
 }
 
 /// Some items, and more behind them.
@@ -118,11 +121,16 @@ fn normal(place: [f64; 3], ends: [[f32; 3]; 2], ground: &Ground<'_>) -> [f32; 3]
 #[cfg(test)]
 mod tests {
     use super::build;
-    use crate::{Isosurface, edges::Edges, ground::Ground, split::Split};
+    use crate::{
+        Isosurface,
+        edges::{Edges, NEW},
+        ground::Ground,
+        split::Split,
+    };
     use isokit_field::{Jet, ScalarField, Slope};
     use isokit_geom::Affine;
     use isokit_job::Job;
-    use isokit_mesh::{Positions, Precision, Stars, TriMesh, topology};
+    use isokit_mesh::{Positions, Precision, TriMesh, topology};
 
     /// A field that nobody knows, so that new vertices stay in the middle of their edges.
     struct Unknown;
@@ -157,14 +165,20 @@ mod tests {
         let mesh = TriMesh { positions: Positions::F32(corners), normals, triangles };
         let (job, surface) = (Job::default(), Isosurface { field: &Unknown, iso: 0.0 });
         let before = topology(&mesh, &job).unwrap();
-        let stars = Stars::new(4, &mesh.triangles, &job).unwrap();
-        let edges = Edges::new(&mesh, &stars, &job).unwrap();
+        let edges = Edges::new(&mesh, &job).unwrap();
         assert_eq!(edges.ends, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]);
         let ground = Ground::new(surface, Precision::F32);
         for choice in 0..64_u32 {
             let chosen = |edge: usize| choice >> edge & 1 == 1;
             let split = Split::new((&mesh, &edges), &ground, chosen, &job).unwrap();
-            let built = build((&mesh, &edges), &split, &ground, &job).unwrap();
+            let (built, numbers) = build((&mesh, &edges), &split, &ground, &job).unwrap();
+            let (after, from) = edges.after(&split, (&built, &numbers), &job).unwrap();
+            assert_eq!(after, Edges::new(&built, &job).unwrap(), "{choice:b}");
+            for (ends, &old) in after.ends.iter().zip(&from).filter(|(_, old)| **old != NEW) {
+                assert_eq!(*ends, edges.ends[old as usize], "{choice:b}");
+            }
+            let kept = from.iter().filter(|&&old| old != NEW).count() as u32;
+            assert_eq!(kept, 6 - choice.count_ones(), "{choice:b}");
             let found = topology(&built, &job).unwrap();
             assert_eq!(found.shortfalls(), [""; 0], "{choice:b}");
             assert_eq!(found.vertices, 4 + u64::from(choice.count_ones()));

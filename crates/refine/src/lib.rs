@@ -21,6 +21,7 @@ mod build;
 mod edges;
 mod error;
 mod ground;
+mod known;
 mod options;
 mod refine;
 mod root;

@@ -4,13 +4,14 @@ use crate::{
     Isosurface, RefineError, RefineOptions, Subdivision,
     balance::balance,
     build::build,
-    edges::Edges,
+    edges::{Edges, NEW},
     ground::Ground,
+    known::Known,
     sagitta::Sagitta,
     split::{HALVED, Split, WHOLE, middle},
 };
 use isokit_job::{Job, in_chunks};
-use isokit_mesh::{Stars, TriMesh};
+use isokit_mesh::TriMesh;
 
 /// What became of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,7 +48,7 @@ pub struct Refined {
 /// New vertices get the normals of the field, if the mesh has normals. A mesh without triangles is left
 /// alone.
 ///
-/// Beside the mesh, and the new one, some 100 bytes per triangle are in use meanwhile.
+/// Beside the mesh, and the new one, some 200 bytes per triangle are in use meanwhile.
 ///
 /// # Errors
 ///
@@ -70,26 +71,13 @@ pub fn refine(
         Subdivision::None => {}
         Subdivision::Levels(levels) => {
             for _ in 0..levels {
-                let stars = Stars::new(mesh.positions.len(), &mesh.triangles, &job.unwatched())?;
-                let edges = Edges::new(mesh, &stars, job)?;
-                drop(stars);
-                refined.divide(mesh, &edges, &ground, |_| true, job)?;
+                let edges = Edges::new(mesh, job)?;
+                let divided = refined.divide((mesh, &edges), &ground, |_| true, job)?;
+                let Some(Divided { built, .. }) = divided else { break };
+                *mesh = built;
             }
         }
-        Subdivision::MaxError(error) => {
-            for round in 0.. {
-                let stars = Stars::new(mesh.positions.len(), &mesh.triangles, &job.unwatched())?;
-                let edges = Edges::new(mesh, &stars, job)?;
-                drop(stars);
-                let sagitta = Sagitta::of((&*mesh, &edges), &ground, error, job)?;
-                let chosen = |edge: usize| sagitta.is_too_long(edge);
-                let is_last = round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen);
-                if is_last || !refined.divide(mesh, &edges, &ground, chosen, job)? {
-                    (refined.bound, refined.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
-                    break;
-                }
-            }
-        }
+        Subdivision::MaxError(error) => refined.bounded(mesh, &ground, error, job)?,
     }
     if options.balance {
         (refined.balanced, refined.unbalanced) = balance(mesh, &ground, job)?;
@@ -128,17 +116,51 @@ fn check(
     first.map_or(Ok(()), |triangle| Err(RefineError::Unsound { triangle }))
 }
 
+/// A mesh whose chosen edges were divided.
+struct Divided<'a> {
+    split: Split<'a>,
+    built: TriMesh,
+    /// The new vertices by the edges that had them.
+    numbers: Vec<u32>,
+}
+
 impl Refined {
-    /// Divides the chosen edges; whether any was.
-    fn divide(
+    /// Divides until the error is kept. What is known of edges that stay is carried on.
+    fn bounded(
         &mut self,
         mesh: &mut TriMesh,
-        edges: &Edges,
+        ground: &Ground<'_>,
+        error: f64,
+        job: &Job,
+    ) -> Result<(), RefineError> {
+        let mut edges = Edges::new(mesh, job)?;
+        let mut from = vec![NEW; edges.len()];
+        let mut known = Known::default();
+        for round in 0.. {
+            known = known.carried((mesh, &edges), &from, ground, job)?;
+            let sagitta = Sagitta::of((mesh, &edges), &known, error, job)?;
+            (self.bound, self.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
+            let chosen = |edge: usize| sagitta.is_too_long(edge);
+            if round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen) {
+                break;
+            }
+            let divided = self.divide((mesh, &edges), ground, chosen, job)?;
+            let Some(Divided { split, built, numbers }) = divided else { break };
+            (edges, from) = edges.after(&split, (&built, &numbers), job)?;
+            *mesh = built;
+        }
+        Ok(())
+    }
+
+    /// Divides the chosen edges, if any can be.
+    fn divide<'a>(
+        &mut self,
+        (mesh, edges): (&'a TriMesh, &'a Edges),
         ground: &Ground<'_>,
         chosen: impl Fn(usize) -> bool + Sync,
         job: &Job,
-    ) -> Result<bool, RefineError> {
-        let split = Split::new((&*mesh, edges), ground, &chosen, job)?;
+    ) -> Result<Option<Divided<'a>>, RefineError> {
+        let split = Split::new((mesh, edges), ground, &chosen, job)?;
         let states = &split.states;
         let (mut new, mut unprojected, mut undivided) = (0, 0, 0);
         for (edge, &state) in states.iter().enumerate() {
@@ -151,14 +173,15 @@ impl Refined {
         }
         self.undivided += undivided;
         if new == 0 {
-            return Ok(false);
+            return Ok(None);
         }
-        let built = build((&*mesh, edges), &split, ground, job)?;
-        drop(split);
-        *mesh = built;
+        let (built, numbers) = build((mesh, edges), &split, ground, job)?;
         self.rounds += 1;
         self.new_vertices += new;
         self.unprojected += unprojected;
-        Ok(true)
+        Ok(Some(Divided { split, built, numbers }))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,13 +8,12 @@
 //! ```
 //!
 //! and the distance to the surface is that over |∇F|, to first order. To it comes what the corners themselves
-//! are off. H and ∇F are looked at in both ends of a side and in its middle.
+//! are off. [`Known`] has both.
 //!
 //! Of a triangle whose bound is too great those sides are divided that make it so, whatever its neighbours
 //! need. A side on a rim counts in the plane of the border; caps are flat and count nothing.
 
-use crate::{RefineError, edges::Edges, ground::Ground, split::middle};
-use isokit_geom::vector::{Vector, sub};
+use crate::{RefineError, edges::Edges, known::Known};
 use isokit_job::{Job, in_chunks};
 use isokit_mesh::TriMesh;
 
@@ -35,30 +34,19 @@ impl Sagitta {
     /// A corner that is off by a greater part of the error spoils a triangle that no division mends.
     const CORNERS: f64 = 0.25;
 
+    /// Looks at all triangles.
     pub(crate) fn of(
         (mesh, edges): (&TriMesh, &Edges),
-        ground: &Ground<'_>,
+        known: &Known,
         error: f64,
         job: &Job,
     ) -> Result<Self, RefineError> {
-        const WHAT: &str = "the errors of the surface";
-        let (count, vertices) = (edges.len(), mesh.positions.len());
-        job.limits.probe(WHAT, Some((2 * count + vertices) as u64), 2 * size_of::<f64>())?;
-        job.progress.begin("measure", (count + vertices) as u64);
-        let of_vertices = in_chunks(vertices, job, |range| {
-            range.map(|v| distance(mesh.positions.get(v), ground)).collect::<Vec<_>>()
-        })?;
-        let of_edges = in_chunks(count, job, |range| {
-            range.map(|edge| bend(mesh, edges.ends[edge], ground)).collect::<Vec<_>>()
-        })?;
-        let (of_edges, of_vertices) = (of_edges.concat(), of_vertices.concat());
         let looks = in_chunks(mesh.triangles.len(), &job.unwatched(), |range| {
             let (mut bound, mut unbounded, mut long) = (0.0_f64, 0, vec![]);
             for t in range {
                 let (sides, corners) = (edges.sides[t], mesh.triangles[t]);
-                let bends = sides.map(|edge| of_edges[edge as usize]);
-                let off =
-                    corners.iter().fold(0.0, |most: f64, &v| most.max(of_vertices[v as usize]));
+                let bends = sides.map(|edge| known.bends[edge as usize]);
+                let off = corners.iter().fold(0.0_f64, |most, &v| most.max(known.offs[v as usize]));
                 let own = raised(bends) + off;
                 if own <= error {
                     bound = bound.max(own);
@@ -73,7 +61,7 @@ impl Sagitta {
             }
             (bound, unbounded, long)
         })?;
-        let mut found = Self { too_long: vec![false; count], bound: 0.0, unbounded: 0 };
+        let mut found = Self { too_long: vec![false; edges.len()], bound: 0.0, unbounded: 0 };
         for (bound, unbounded, long) in looks {
             found.bound = found.bound.max(bound);
             found.unbounded += unbounded;
@@ -103,39 +91,6 @@ fn raised(bends: [f64; 3]) -> f64 {
     }
     let doubled_area = 2.0 * (a * b + b * c + c * a) - (a * a + b * b + c * c);
     most * (0.5 * a * b * c / doubled_area)
-}
-
-/// How far a vertex is from the surface, to first order; one of a cap is where it should be.
-fn distance(place: Vector, ground: &Ground<'_>) -> f64 {
-    let spot = ground.spot(place);
-    if spot.is_beyond {
-        return 0.0;
-    }
-    let slope = ground.field().slope(spot.ijk);
-    let ascent = ground.ascent(slope.gradient, spot.held());
-    let found = ascent.map(|ascent| (slope.value - ground.iso()).abs() / ascent.steepness);
-    found.filter(|found| found.is_finite()).unwrap_or(f64::INFINITY)
-}
-
-/// The greatest second derivative along an edge over the least gradient, in world units.
-fn bend(mesh: &TriMesh, ends: [u32; 2], ground: &Ground<'_>) -> f64 {
-    let [a, b] = ends.map(|vertex| mesh.positions.get(vertex as usize));
-    let [from, to] = [a, b].map(|place| ground.spot(place));
-    if from.is_beyond || to.is_beyond {
-        return 0.0;
-    }
-    let (held, along) = (from.held_with(&to), ground.displacement_ijk(sub(b, a)));
-    let (mut greatest, mut steepness) = (0.0_f64, f64::INFINITY);
-    for ijk in [from.ijk, to.ijk, ground.spot(middle(mesh, ends)).ijk] {
-        let jet = ground.field().jet(ijk);
-        let Some(ascent) = ground.ascent(jet.gradient, held) else { return f64::INFINITY };
-        steepness = steepness.min(ascent.steepness);
-        greatest = greatest.max(jet.bend(along).abs());
-        if !jet.bend(along).is_finite() {
-            return f64::INFINITY;
-        }
-    }
-    greatest / steepness
 }
 
 #[cfg(test)]

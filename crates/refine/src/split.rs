@@ -6,8 +6,9 @@
 
 use crate::{RefineError, edges::Edges, ground::Ground, settle::settle};
 use isokit_geom::vector::{Vector, dot, normal, sub};
-use isokit_job::{Job, in_chunks};
+use isokit_job::{CHUNK, Cancelled, Job};
 use isokit_mesh::{Precision, TriMesh, is_degenerate};
+use rayon::prelude::*;
 
 /// What becomes of an edge: it stays whole.
 pub(crate) const WHOLE: u8 = 0;
@@ -22,6 +23,16 @@ pub(crate) enum Corner {
     Vertex(u32),
     /// The new vertex of this edge.
     Edge(u32),
+}
+
+impl Corner {
+    /// The number of the vertex, where that of edge `n` has the number `numbers[n]`.
+    pub(crate) fn number(self, numbers: &[u32]) -> u32 {
+        match self {
+            Self::Vertex(vertex) => vertex,
+            Self::Edge(edge) => numbers[edge as usize],
+        }
+    }
 }
 
 /// Edges of a mesh that are to be cut.
@@ -46,19 +57,34 @@ impl<'a> Split<'a> {
         let count = edges.len() as u64;
         job.limits.probe(WHAT, Some(count), 2 * size_of::<(u8, Vector)>())?;
         job.progress.begin("refine", count);
-        let chunks = in_chunks(edges.len(), job, |range| {
-            let place = |edge: usize| match chosen(edge) {
-                false => (WHOLE, [0.0; 3]),
-                true => on_surface(mesh, edges.ends[edge], ground)
-                    .map_or((HALVED, [0.0; 3]), |place| (MOVED, place)),
-            };
-            range.map(place).unzip::<_, _, Vec<_>, Vec<_>>()
+        // Where few are cut, most of the memory is never written.
+        let (mut states, mut moved) = (vec![WHOLE; edges.len()], vec![[0.0; 3]; edges.len()]);
+        let fill = |(n, (states, moved)): (usize, (&mut [u8], &mut [Vector]))| {
+            job.check()?;
+            for (edge, (state, moved)) in (n * CHUNK..).zip(states.iter_mut().zip(moved)) {
+                if chosen(edge) {
+                    *state = HALVED;
+                    if let Some(place) = on_surface(mesh, edges.ends[edge], ground) {
+                        (*state, *moved) = (MOVED, place);
+                    }
+                }
+            }
+            job.progress.advance(states.len() as u64);
+            Ok::<(), Cancelled>(())
+        };
+        job.threads.run(|| {
+            let chunks = states.par_chunks_mut(CHUNK).zip(moved.par_chunks_mut(CHUNK));
+            chunks.enumerate().try_for_each(fill)
         })?;
-        let (states, moved): (Vec<_>, Vec<_>) = chunks.into_iter().unzip();
-        let (mut states, moved) = (states.concat(), moved.concat());
         let split = Self { mesh, edges, states: vec![], moved };
         settle(&mut states, &edges.sides, |t, states| split.spoils(t, states), job)?;
         Ok(Self { states, ..split })
+    }
+
+    /// Whether triangle `t` stays as it is. Where few edges are cut most do, and this is soon asked.
+    #[inline]
+    pub(crate) fn is_whole(&self, t: usize, states: &[u8]) -> bool {
+        self.edges.sides[t].iter().all(|&side| states[side as usize] == WHOLE)
     }
 
     /// The triangles that triangle `t` becomes, in order, and how many.
@@ -110,13 +136,15 @@ impl<'a> Split<'a> {
 
     /// Whether a triangle that comes of triangle `t` is flat, or looks away from where that looks.
     fn spoils(&self, t: usize, states: &[u8]) -> bool {
+        if self.is_whole(t, states) {
+            return false;
+        }
         let before = normal(self.mesh.corners(self.mesh.triangles[t]));
         let (children, count) = self.children(t, states);
-        count > 1
-            && children[..count].iter().any(|child| {
-                let corners = child.map(|corner| self.place(corner, states));
-                is_spoiled(corners, before)
-            })
+        children[..count].iter().any(|child| {
+            let corners = child.map(|corner| self.place(corner, states));
+            is_spoiled(corners, before)
+        })
     }
 }
 

@@ -1,0 +1,145 @@
+//! What is carried on from round to round is what all of it measured anew is.
+
+use super::{Divided, Refined};
+use crate::{
+    Isosurface, RefineOptions, Subdivision,
+    edges::{Edges, NEW},
+    ground::Ground,
+    known::Known,
+    refine,
+    sagitta::Sagitta,
+    split::middle,
+};
+use isokit_field::{Sampled, ScalarField};
+use isokit_geom::vector::sub;
+use isokit_job::Job;
+use isokit_marching_cubes::{Boundary, ExtractOptions, Placement, extract};
+use isokit_mesh::TriMesh;
+use isokit_volume::{Grid, Volume};
+
+/// How far a vertex is off, asked of the field alone.
+fn off(mesh: &TriMesh, vertex: usize, ground: &Ground<'_>) -> f64 {
+    let spot = ground.spot(mesh.positions.get(vertex));
+    if spot.is_beyond {
+        return 0.0;
+    }
+    let slope = ground.field().slope(spot.ijk);
+    let ascent = ground.ascent(slope.gradient, spot.held());
+    let found = ascent.map(|ascent| (slope.value - ground.iso()).abs() / ascent.steepness);
+    found.filter(|found| found.is_finite()).unwrap_or(f64::INFINITY)
+}
+
+/// The bend of an edge, asked of the field alone.
+fn bend(mesh: &TriMesh, ends: [u32; 2], ground: &Ground<'_>) -> f64 {
+    let [a, b] = ends.map(|vertex| mesh.positions.get(vertex as usize));
+    let [from, to] = [a, b].map(|place| ground.spot(place));
+    if from.is_beyond || to.is_beyond {
+        return 0.0;
+    }
+    let (held, along) = (from.held_with(&to), ground.displacement_ijk(sub(b, a)));
+    let (mut greatest, mut steepness) = (0.0_f64, f64::INFINITY);
+    for ijk in [from.ijk, to.ijk, ground.spot(middle(mesh, ends)).ijk] {
+        let jet = ground.field().jet(ijk);
+        let Some(ascent) = ground.ascent(jet.gradient, held) else { return f64::INFINITY };
+        steepness = steepness.min(ascent.steepness);
+        greatest = greatest.max(jet.bend(along).abs());
+        if !jet.bend(along).is_finite() {
+            return f64::INFINITY;
+        }
+    }
+    greatest / steepness
+}
+
+/// The same as `Refined::bounded`, with everything found and measured anew in every round.
+fn bounded_plainly(mesh: &mut TriMesh, ground: &Ground<'_>, error: f64) -> Refined {
+    let (mut refined, job) = (Refined::default(), Job::default());
+    for round in 0.. {
+        let edges = Edges::new(mesh, &job).unwrap();
+        let known = Known::default();
+        let known = known.carried((mesh, &edges), &vec![NEW; edges.len()], ground, &job).unwrap();
+        let offs = (0..mesh.positions.len()).map(|vertex| off(mesh, vertex, ground));
+        assert!(offs.eq(known.offs.iter().copied()));
+        let bends = edges.ends.iter().map(|&ends| bend(mesh, ends, ground));
+        assert!(bends.eq(known.bends.iter().copied()));
+        let sagitta = Sagitta::of((mesh, &edges), &known, error, &job).unwrap();
+        (refined.bound, refined.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
+        let chosen = |edge: usize| sagitta.is_too_long(edge);
+        if round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen) {
+            break;
+        }
+        let divided = refined.divide((mesh, &edges), ground, chosen, &job).unwrap();
+        let Some(Divided { built, .. }) = divided else { break };
+        *mesh = built;
+    }
+    refined
+}
+
+#[track_caller]
+fn check(samples: Vec<f32>, dims: [u64; 3], error: f64) {
+    let volume = Volume::new(Grid::new(dims, Default::default()).unwrap(), samples).unwrap();
+    let (view, job) = (volume.view(), Job::default());
+    let field = Sampled::new(view);
+    let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+    for boundary in [Boundary::Closed, Boundary::Open] {
+        let extracting = ExtractOptions::DEFAULT.with_placement(Placement::Cubic);
+        let whole = extract(&view, 0.0, &extracting.with_boundary(boundary), &job).unwrap();
+        let (mut plain, mut carried) = (whole.clone(), whole.clone());
+        let ground = Ground::new(surface, whole.positions.precision());
+        let expected = bounded_plainly(&mut plain, &ground, error);
+        let subdivision = Subdivision::MaxError(error);
+        let options = RefineOptions::DEFAULT.with_subdivision(subdivision);
+        let found = refine(&mut carried, &surface, &options, &job).unwrap();
+        assert!(found.rounds > 1, "{error}: it was divided once only");
+        assert_eq!(found, expected, "{error}, {boundary:?}");
+        assert!(carried == plain, "{error}, {boundary:?}");
+    }
+}
+
+/// Samples of a function of the place.
+fn sampled(dims: [u64; 3], f: impl Fn([f32; 3]) -> f32) -> Vec<f32> {
+    let [nx, ny, nz] = dims;
+    let place = |n: u64| [n % nx, n / nx % ny, n / nx / ny].map(|i| i as f32);
+    (0..nx * ny * nz).map(|n| f(place(n))).collect()
+}
+
+/// Numbers that nobody chose, up to ±`most`.
+fn chance(count: u64, most: f32, mut state: u64) -> Vec<f32> {
+    let mut next = || {
+        state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
+        (state >> 40) as f32 / (1 << 24) as f32
+    };
+    (0..count).map(|_| most * (2.0 * next() - 1.0)).collect()
+}
+
+#[test]
+fn smooth_shapes_are_divided_as_plainly() {
+    let dims = [13, 11, 12];
+    check(
+        sampled(dims, |[x, y, z]| 4.2 - (x - 6.1).hypot(y - 5.2).hypot(0.8 * (z - 5.4))),
+        dims,
+        1e-2,
+    );
+    check(
+        sampled(dims, |[x, y, z]| (0.5 * x).sin() + (0.6 * y).cos() * (0.4 * z + 0.3).sin()),
+        dims,
+        3e-2,
+    );
+}
+
+#[test]
+fn chance_is_divided_as_plainly() {
+    for seed in 1..4 {
+        check(chance(7 * 6 * 5, 1.0, seed), [7, 6, 5], 0.1);
+    }
+}
+
+#[test]
+fn ties_and_holes_are_divided_as_plainly() {
+    let dims = [8, 6, 7];
+    for seed in 1..4 {
+        let ties: Vec<_> = chance(8 * 6 * 7, 2.5, seed).into_iter().map(f32::round).collect();
+        check(ties.clone(), dims, 0.1);
+        let holes = ties.iter().enumerate().map(|(n, &v)| if n % 41 == 7 { f32::NAN } else { v });
+        check(holes.collect(), dims, 0.1);
+    }
+}
