@@ -6,7 +6,8 @@ through isokit in rows of modes in which every two answers to two options meet; 
 instructions and kinds of memory the mesh must be the same. Then, unless `--quick`, each volume of
 the listed size goes through isokit once for each type of sample that holds its values, and, in its
 own type, through each peer, in a process of its own. Table and data go to
-scripts/results/DATE-CPU, those of the small form to target/stress. Exit 1 if isokit fails an item.
+scripts/results/DATE-CPU/stress, those of the small form to target/stress. Exit 1 if isokit fails an
+item.
 """
 
 import argparse
@@ -215,7 +216,7 @@ def main() -> int:
         "rows": [str(mode) for mode in modes.pairs],
         "settings": {tool: said for tool, said in SETTINGS.items() if tool not in absent},
     }
-    name = f"scripts/results/{facts['date']}-{bench_machine.short(machine['cpu'])}"
+    name = f"scripts/results/{facts['date']}-{bench_machine.short(machine['cpu'])}/stress"
     folder = PROJECT / ("target/stress" if arguments.quick or arguments.only else name)
     if arguments.out:
         folder = arguments.base / arguments.out
