@@ -156,7 +156,6 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     let thresholds =
         Thresholds::new(&[view.scaling().threshold(iso)]).filter(|_| lattice.has_cells());
     let Some(thresholds) = thresholds else { return Ok(ControlFlow::Continue(0)) };
-    let Some(room) = sink.spare(precision) else { return Ok(ControlFlow::Continue(0)) };
     let sweep = Sweep {
         view: *view,
         lattice,
@@ -167,6 +166,8 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
         winding: Winding::of(view.frame()),
     };
+    let room = if sweep.is_allowed(job) { sink.spare(precision) } else { None };
+    let Some(room) = room else { return Ok(ControlFlow::Continue(0)) };
     job.progress.begin("extract", view.dims()[2] as u64);
     let (counts, singular_cells) = match sweep.run(room, job).map_err(ExtractError::from)? {
         Swept::Whole { counts, singular_cells } => (counts, singular_cells),

@@ -12,7 +12,7 @@
 
 use crate::{
     fill::{Fill, Rest, Scratch, Winding},
-    layout::{Layout, check_size},
+    layout::{Layout, Row, check_size},
     planes::{Lattice, Planes, behind_guard},
     trilinear::Values,
     vertex::Placer,
@@ -94,12 +94,29 @@ impl<T: Sample> Sweep<'_, T> {
         }
     }
 
-    fn slabs<C: Coordinate>(&self, rest: Rest<'_, C>, job: &Job) -> Result<Swept, Cancelled> {
+    /// Whether what threads need for their slabs is allowed. The rows of a slice may take more than its samples.
+    pub(crate) fn is_allowed(&self, job: &Job) -> bool {
+        let [slabs, per_slab] = self.size(job);
+        let threads = slabs.min(job.threads.count()) as u64;
+        let row = (self.lattice.words * size_of::<u64>() + size_of::<Row>()) as u64;
+        // A slab has the slices below it and above it too.
+        let rows = (self.lattice.points[1] as u64).checked_mul(per_slab as u64 + 2);
+        let bytes = rows.and_then(|rows| rows.checked_mul(row));
+        let bytes = bytes.and_then(|bytes| bytes.checked_mul(threads));
+        job.limits.probe("slabs", bytes, 1).is_ok()
+    }
+
+    /// How many slabs there are, and the slices of samples in each but the last.
+    fn size(&self, job: &Job) -> [usize; 2] {
         let [nx, ny, slices] = self.view.dims();
-        let threads = job.threads.count();
-        let per_slab = SLAB / (nx * ny * size_of::<T>());
-        let per_slab = per_slab.min(slices / (threads * SLABS)).max(1);
-        let slabs = slices.div_ceil(per_slab);
+        let fit = SLAB / (nx * ny * size_of::<T>());
+        let per_slab = fit.min(slices / (job.threads.count() * SLABS)).max(1);
+        [slices.div_ceil(per_slab), per_slab]
+    }
+
+    fn slabs<C: Coordinate>(&self, rest: Rest<'_, C>, job: &Job) -> Result<Swept, Cancelled> {
+        let (slices, threads) = (self.view.dims()[2], job.threads.count());
+        let [slabs, per_slab] = self.size(job);
         let mut ends: Vec<Mutex<Option<Vec<u64>>>> = vec![];
         ends.resize_with(slabs, Mutex::default);
         let shared = Shared {

@@ -5,8 +5,9 @@
 //! is short, so that the machine works at several batches at once while one waits, and only the first and the
 //! last are compiled for each type of sample.
 //!
-//! The caller tells the values of lines that leave the lattice, and the normals near its border. Edges that have none, that have values which
-//! are not finite, or a root that is hard to find, are called odd and left to the caller.
+//! The caller tells the values of lines that leave the lattice, and the normals near its border. Edges that have
+//! none, that have values which are not finite, or a root that is hard to find, are called odd and left to
+//! the caller.
 
 use super::{
     Batch, Field, Kernel, Vertices,

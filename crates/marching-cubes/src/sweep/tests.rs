@@ -152,7 +152,24 @@ fn who_cancels_or_allows_too_little_is_heard() {
     cancelled.cancel.cancel();
     assert!(matches!(into_used(&cancelled), ExtractError::Stopped(Stopped::Cancelled(_))));
     let small = Job { limits: Limits { bytes: 1000 }, ..job(2) };
-    assert!(matches!(into_used(&small), ExtractError::Stopped(Stopped::OverLimit(_))));
+    let ExtractError::Stopped(Stopped::OverLimit(over)) = into_used(&small) else {
+        panic!("1000 bytes are too few");
+    };
+    assert_ne!(over.what, "surface", "it is known before anything is made");
+}
+
+#[test]
+fn where_slabs_take_more_than_is_allowed_the_passes_do_all() {
+    // Rows of one word, of which three slabs hold three slices each, and the passes three in all.
+    let volume = volume([2, 40_000, 3], |n| u8::from(chance(n).is_multiple_of(500)));
+    let options = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+    let limits = Limits { bytes: 5 * 40_000 * 24 };
+    let expected = extract(&volume.view(), 0.5, &options, &Job::default()).unwrap();
+    assert!(!expected.triangles.is_empty());
+    let mut mesh = used(9, 9, Precision::F32);
+    let job = Job { limits, ..job(3) };
+    extract_into(&volume.view(), 0.5, &options, &mut mesh.refill(), &job).unwrap();
+    assert!(mesh == expected);
 }
 
 proptest! {
