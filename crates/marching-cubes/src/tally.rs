@@ -3,7 +3,9 @@
 
 use crate::planes::{Lattice, behind_guard};
 use isokit_job::{Job, Stopped};
-use isokit_lanes::{Threshold, Thresholds, Totals, exactly, has_nan, signs_of_many, totals, words};
+use isokit_lanes::{
+    Between, Flat, Rows, Threshold, Thresholds, exactly, has_nan, signs_of_many, words,
+};
 use isokit_mesh::Counts;
 use isokit_volume::{Sample, View};
 use rayon::prelude::*;
@@ -98,28 +100,37 @@ impl<'a, T: Sample> Tally<'a, T> {
     /// What some slices own.
     fn some(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
         let (planes, nz) = (self.thresholds.count(), self.lattice.points[2]);
-        // A slice ends with the one word more that the loop may look at.
+        let rows = Rows { words: self.lattice.words, cells: &self.cells };
+        // A slice ends with the one word more that the loops may look at.
         let stride = self.cells.len() + 1;
         let size = (stride as u64).checked_mul(planes as u64);
-        let [mut low, mut high] = [
-            job.limits.zeroed("bits of a slice", size)?,
-            job.limits.zeroed("bits of a slice", size)?,
-        ];
+        let zeroed = || job.limits.zeroed("bits of a slice", size);
+        let mut low = (zeroed()?, vec![Flat::default(); planes]);
+        let mut high = (zeroed()?, vec![Flat::default(); planes]);
         let (mut found, mut scratch) = (Found::default(), vec![]);
         found.counts.resize(planes, Whole::default());
-        self.classify(slices.start, &mut high, &mut found, &mut scratch);
+        let mut classify = |z: usize, (bits, flats): &mut (Vec<u64>, Vec<Flat>), found: &mut _| {
+            self.classify(z, bits, found, &mut scratch);
+            let of_planes = flats.iter_mut().zip(bits.chunks_exact(stride));
+            of_planes.for_each(|(flat, plane)| *flat = rows.flat(plane));
+        };
+        classify(slices.start, &mut high, &mut found);
         for z in slices {
             job.check()?;
             mem::swap(&mut low, &mut high);
             let has_next = z + 1 < nz;
             if has_next {
-                self.classify(z + 1, &mut high, &mut found, &mut scratch);
+                classify(z + 1, &mut high, &mut found);
             }
-            let planes = low.chunks_exact(stride).zip(high.chunks_exact(stride));
-            for ((low, high), whole) in planes.zip(&mut found.counts) {
-                let high = has_next.then_some(high);
-                let Totals { vertices, triangles } =
-                    totals(low, high, &self.cells, self.lattice.words);
+            for (k, whole) in found.counts.iter_mut().enumerate() {
+                let plane = k * stride..(k + 1) * stride;
+                let (low, high) = ((&low.0[plane.clone()], low.1[k]), (&high.0[plane], high.1[k]));
+                let mut between = Between::default();
+                if has_next {
+                    between = rows.between(low, high);
+                }
+                let vertices = low.1.vertices + between.vertices;
+                let triangles = between.triangles;
                 whole.add(Whole { counts: Counts { vertices, triangles }, widest: triangles });
             }
             job.progress.advance(1);
