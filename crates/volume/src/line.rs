@@ -50,16 +50,29 @@ fn continued(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -
 /// The value one step before the first of the polynomial through some; it takes its place there, and the
 /// last is forgotten.
 fn before(near: &mut [f64]) -> f64 {
-    // The difference of as high an order as there are values is 0.
-    let (mut sum, mut factor) = (0.0, -1.0);
-    for (n, value) in near.iter().enumerate() {
-        factor = -factor * (near.len() - n) as f64 / (n + 1) as f64;
-        sum += factor * value;
-    }
+    let factors = &BEFORE[near.len()];
+    let sum = near.iter().zip(factors).fold(0.0, |sum, (value, factor)| sum + factor * value);
     near.rotate_right(1);
     near[0] = sum;
     sum
 }
+
+/// For each number of values the factors of all of them in the value before the first: the difference of as high
+/// an order as there are values is 0.
+const BEFORE: [[f64; MOST]; MOST + 1] = {
+    let mut factors = [[0.0; MOST]; MOST + 1];
+    let mut held = 1;
+    while held <= MOST {
+        let (mut n, mut factor) = (0, -1.0);
+        while n < held {
+            factor = -factor * (held - n) as f64 / (n + 1) as f64;
+            factors[held][n] = factor;
+            n += 1;
+        }
+        held += 1;
+    }
+    factors
+};
 
 /// The derivative in the middle of an odd number of values, per step, to the order of the steps between
 /// the outermost: central differences (Fornberg 1988). Times 12 for five values, times 60 for seven, which

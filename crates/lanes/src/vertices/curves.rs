@@ -1,4 +1,4 @@
-//! Where edges are crossed by cubics, 16 edges at a time.
+//! Where edges are crossed by cubics or quintics, 16 edges at a time.
 //!
 //! Loops take turns over some batches at a time: one loads the samples on the lines of the edges, the second
 //! finds roots (`roots.rs`), the third makes places, and a fourth normals (`slopes.rs`), if they are wanted. Each
@@ -11,7 +11,7 @@
 
 use super::{
     Batch, Field, Kernel, Vertices,
-    roots::Roots,
+    roots::{Roots, Search},
     slopes::Turning,
     wide::{BATCH, Task, Wide, run_at},
 };
@@ -20,42 +20,61 @@ use crate::{Coordinate, Edges, Lane, Level, Samples};
 #[cfg(test)]
 mod tests;
 
-/// Batches that are worked at in turn, an even number: what is known of them stays in the first cache.
+/// Batches that are worked at in turn: what is known of them stays in the first cache.
 const TURN: usize = 8;
 
-/// Samples to either side of an edge's middle, and of one that a slope is made from.
-const PAIRS: usize = 2;
+/// The polynomial through the samples nearest on the line of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// Through four.
+    Cubic,
+    /// Through six.
+    Quintic,
+}
+
+impl Curve {
+    /// Samples to either side of an edge's middle, and of one that a slope is made from.
+    fn pairs(self) -> usize {
+        match self {
+            Self::Cubic => 2,
+            Self::Quintic => 3,
+        }
+    }
+}
+
+/// The most samples on a line.
+const MOST: usize = 6;
 
 /// What the caller tells of edges, by their number, where samples that a stencil asks for are missing.
 pub trait OneByOne {
-    /// The four values on the line of an edge, less the isovalue: that before the lower end, the ends, and that
-    /// after the upper end. None if the ends are not both samples.
-    fn line(&self, edge: usize) -> Option<[f64; 4]>;
+    /// The values on the line of an edge, less the isovalue, of which the two in the middle are those of the ends.
+    /// False if the ends are not both samples.
+    fn line(&self, edge: usize, values: &mut [f64]) -> bool;
 
     /// The normal so many edge lengths from the middle of an edge.
     fn normal(&self, edge: usize, delta: f64) -> [f32; 3];
 }
 
-/// Places vertices where the cubic through the four samples nearest on the line of an edge has the isovalue;
-/// where the cubic rings, where the straight line has it. Normals are those of differences of order four.
+/// Places vertices where the curve of an edge has the isovalue; where the curve rings, where the straight line
+/// has it. Normals are those of differences of order four or six.
 ///
 /// # Panics
 ///
 /// If `out` has not room for exactly one vertex per edge.
-pub fn cubic_vertices<T: Lane, C: Coordinate>(
-    samples: &Samples<'_, T>,
-    field: &Field,
+pub fn curved_vertices<T: Lane, C: Coordinate>(
+    (samples, field): (&Samples<'_, T>, &Field),
+    curve: Curve,
     edges: &Edges,
     one_by_one: &dyn OneByOne,
     out: Vertices<'_, C>,
 ) {
-    cubic_vertices_at(Level::current(), samples, field, edges, one_by_one, out);
+    curved_vertices_at(Level::current(), (samples, field), curve, edges, one_by_one, out);
 }
 
-fn cubic_vertices_at<T: Lane, C: Coordinate>(
+fn curved_vertices_at<T: Lane, C: Coordinate>(
     level: Level,
-    samples: &Samples<'_, T>,
-    field: &Field,
+    (samples, field): (&Samples<'_, T>, &Field),
+    curve: Curve,
     edges: &Edges,
     one_by_one: &dyn OneByOne,
     Vertices { positions, mut normals, odd }: Vertices<'_, C>,
@@ -65,23 +84,26 @@ fn cubic_vertices_at<T: Lane, C: Coordinate>(
         assert_eq!(normals.len(), edges.len(), "room for every normal");
     }
     let kernel = Kernel { samples, field, directions: [[0.0; 3]; 3], edges };
+    let pairs = curve.pairs();
     let mut lines = [const { Line::DEFAULT }; TURN];
+    let mut searches = [const { Search::DEFAULT }; TURN];
     for (turn, positions) in positions.chunks_mut(TURN * BATCH).enumerate() {
         let (first, count) = (turn * TURN * BATCH, positions.len());
         let batches = count.div_ceil(BATCH);
-        run_at(level, Loading { kernel: &kernel, first, lines: &mut lines[..batches] });
+        run_at(level, Loading { kernel: &kernel, first, pairs, lines: &mut lines[..batches] });
         for (number, line) in lines[..batches].iter_mut().enumerate() {
             let at = number * BATCH;
             for n in set_bits(line.is_odd, count - at) {
-                if let Some(values) = one_by_one.line(first + at + n) {
+                let values = &mut [0.0; MOST][..2 * pairs];
+                if one_by_one.line(first + at + n, values) {
                     line.is_odd ^= 1 << n;
-                    (0..4).for_each(|k| line.values[k][n] = values[k]);
+                    line.values.iter_mut().zip(values).for_each(|(to, value)| to[n] = *value);
                 }
             }
         }
-        // Two by two; what is left over of the turn before does no harm.
-        let (pairs, _) = lines.as_chunks_mut();
-        run_at(level, Roots { lines: &mut pairs[..batches.div_ceil(2)], reach: field.reach });
+        let held = &mut lines[..batches];
+        let searches = &mut searches[..];
+        run_at(level, Roots { lines: held, searches, pairs, reach: field.reach });
         let lines = &lines[..batches];
         run_at(level, Placing { field, edges, first, lines, positions });
         for (number, line) in lines.iter().enumerate() {
@@ -92,7 +114,7 @@ fn cubic_vertices_at<T: Lane, C: Coordinate>(
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
         let kernel = &kernel;
-        run_at(level, Turning { kernel, first, pairs: PAIRS, lines, normals, left: &mut left });
+        run_at(level, Turning { kernel, first, pairs, lines, normals, left: &mut left });
         for (number, line) in lines.iter().enumerate() {
             let at = number * BATCH;
             for n in set_bits(left[number] & !line.is_odd, count - at) {
@@ -117,9 +139,8 @@ fn set_bits(mut bits: u16, count: usize) -> impl Iterator<Item = usize> {
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct Line {
-    /// The samples on the line of each edge, less the isovalue: that before the lower end, the ends, and
-    /// that after the upper end.
-    pub(super) values: [[f64; BATCH]; 4],
+    /// The samples on the line of each edge, less the isovalue, as many as the curve goes through.
+    pub(super) values: [[f64; BATCH]; MOST],
     /// Where each is crossed, in edge lengths from its middle.
     pub(super) delta: [f64; BATCH],
     /// Which are odd.
@@ -127,7 +148,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    const DEFAULT: Self = Self { values: [[0.0; BATCH]; 4], delta: [0.0; BATCH], is_odd: 0 };
+    const DEFAULT: Self = Self { values: [[0.0; BATCH]; MOST], delta: [0.0; BATCH], is_odd: 0 };
 }
 
 /// Where the samples around the edges of a batch are.
@@ -145,6 +166,7 @@ pub(super) struct Stencil<W: Wide> {
 struct Loading<'l, 'b, 'a, T> {
     kernel: &'l Kernel<'b, 'a, T>,
     first: usize,
+    pairs: usize,
     lines: &'l mut [Line],
 }
 
@@ -153,7 +175,11 @@ impl<T: Lane> Task for Loading<'_, '_, '_, T> {
     fn run<W: Wide>(self, wide: W) {
         for (number, line) in self.lines.iter_mut().enumerate() {
             let first = self.first + number * BATCH;
-            line.is_odd = self.kernel.load(wide, first, &mut line.values);
+            let values = &mut line.values;
+            line.is_odd = match self.pairs {
+                2 => self.kernel.load::<W, 4>(wide, first, values),
+                _ => self.kernel.load::<W, 6>(wide, first, values),
+            };
         }
     }
 }
@@ -193,15 +219,28 @@ impl<T: Lane> Kernel<'_, '_, T> {
     /// Loads the values around the batch that begins with edge `first`; the bits of those that cannot be loaded,
     /// which have others.
     #[inline(always)]
-    fn load<W: Wide>(&self, wide: W, first: usize, values: &mut [[f64; BATCH]; 4]) -> u16 {
-        if !self.samples.is_near(2) {
+    fn load<W: Wide, const HELD: usize>(
+        &self,
+        wide: W,
+        first: usize,
+        values: &mut [[f64; BATCH]; MOST],
+    ) -> u16 {
+        let pairs = HELD / 2;
+        if !self.samples.is_near(pairs as i64) {
             return u16::MAX;
         }
         let batch = self.ends(wide, first);
         let Stencil { slice, low, steps: [step, ..] } = self.stencil(wide, &batch);
-        let high = low + step;
-        let mut numbers = [low + step * wide.u32(u32::MAX), low, high, high + step];
-        let is_odd = if batch.is_inner { 0 } else { !self.can_load(wide, &batch, slice, &numbers) };
+        // From so many steps before the lower end.
+        let mut numbers = [low + step * wide.u32((pairs - 1).wrapping_neg() as u32); HELD];
+        for n in 1..HELD {
+            numbers[n] = numbers[n - 1] + step;
+        }
+        // Inner edges have one neighbour on either side.
+        let is_odd = match batch.is_inner && pairs == 2 {
+            true => 0,
+            false => !self.can_load(wide, &batch, slice, &numbers),
+        };
         if is_odd == u16::MAX {
             return u16::MAX;
         }
@@ -214,9 +253,9 @@ impl<T: Lane> Kernel<'_, '_, T> {
             }
         }
         for (value, number) in values.iter_mut().zip(numbers) {
-            // SAFETY: all four samples on the lines of the edges that are left are there. Four bytes can be
+            // SAFETY: all samples on the lines of the edges that are left are there. Four bytes can be
             // read from each on: of inner edges they have both neighbours across, of others that was
-            // looked at. The farthest is two slices away.
+            // looked at. The farthest is as many slices away as there are pairs.
             let sample = unsafe { wide.near(self.samples, slice, number) };
             wide.store_f64(self.above_iso(wide, sample), value);
         }
@@ -247,26 +286,21 @@ impl<T: Lane> Kernel<'_, '_, T> {
     /// The bits of those edges whose samples on the line, of these numbers from that of the slice, are there,
     /// each with four bytes from it on.
     #[inline(always)]
-    fn can_load<W: Wide>(
-        &self,
-        wide: W,
-        batch: &Batch<W>,
-        slice: i64,
-        numbers: &[W::U32; 4],
-    ) -> u16 {
-        let mut can_load = !batch.is_outside;
+    fn can_load<W: Wide>(&self, wide: W, batch: &Batch<W>, slice: i64, numbers: &[W::U32]) -> u16 {
+        let (mut can_load, margin) = (!batch.is_outside, numbers.len() as u32 / 2 - 1);
         for axis in 0..3 {
             let is_along = wide.equal(batch.axis, wide.u32(axis as u32));
-            // A wrapped −1 is beyond all sizes.
-            let within = wide.u32(self.samples.dims()[axis].saturating_sub(3));
-            can_load &= wide.less(batch.low[axis] + wide.u32(u32::MAX), within) | !is_along;
+            // A wrapped −1 is beyond all sizes, and −2 too.
+            let within = wide.u32(self.samples.dims()[axis].saturating_sub(2 * margin + 1));
+            let less = wide.u32(margin.wrapping_neg());
+            can_load &= wide.less(batch.low[axis] + less, within) | !is_along;
         }
         let reach = 4_usize.div_ceil(size_of::<T>());
         let end = self.samples.all().len() as i64 - reach as i64 - slice + 1;
         // Compared as numbers without a sign, from the least on.
         let least = i64::from(i32::MIN);
         let end = end.clamp(least, i32::MAX.into()) - least;
-        for number in [numbers[0], numbers[3]] {
+        for number in [numbers[0], numbers[numbers.len() - 1]] {
             can_load &= wide.less(number + wide.u32(1 << 31), wide.u32(end as u32));
         }
         can_load

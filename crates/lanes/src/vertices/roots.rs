@@ -1,178 +1,319 @@
-//! The roots of cubics, 16 at a time, and two times 16 in turn.
+//! The roots of cubics and quintics, 16 at a time.
 //!
-//! `vertex/curve.rs` of `marching-cubes` has the definition, for one, with the same operations in the same
-//! order, so that the bits are the same, and says why. There is no loop that ends sooner for one edge than for
-//! another. The roots that the short way there does not find, a few in ten thousand, are left to the caller.
+//! `vertex/curve/short.rs` of `marching-cubes` has the definition, for one, with the same operations in the same
+//! order, so that the bits are the same, and says why. The roots that this way does not find, a few in ten
+//! thousand, are left to the caller.
 //!
-//! Each operation needs what the one before gives. So two batches go side by side, and while one waits the
-//! other is worked at.
+//! Each operation needs what the one before gives. So the way is taken in stages, each by several batches in turn:
+//! a stage is short enough for the machine to work at some batches at once.
 
 use super::{
     curves::Line,
-    wide::{Float, Task, Wide},
+    wide::{BATCH, Float, Task, Wide},
 };
 
-/// Steps of Halley's in f32.
-const STEPS: usize = 2;
+/// If the correction is so small, a root is found.
+const SMALL: f64 = 1.0 / (1_u64 << 21) as f64;
 
-/// Corrections in f64.
-const CORRECTIONS: usize = 2;
-
-/// If the last is so small, a root is found.
-const SMALL: f64 = 1.0 / (1_u64 << 36) as f64;
-
-/// Finds where lines are crossed, as far as `reach` from the middle of their edges.
+/// Finds where lines are crossed, as far as `reach` from the middle of their edges. The values are used up.
 pub(super) struct Roots<'a> {
-    pub(super) lines: &'a mut [[Line; 2]],
+    pub(super) lines: &'a mut [Line],
+    pub(super) searches: &'a mut [Search],
+    /// Pairs of samples on a line, 2 or 3.
+    pub(super) pairs: usize,
     pub(super) reach: f64,
 }
 
 impl Task for Roots<'_> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let (least, most) = (wide.f64(-self.reach), wide.f64(self.reach));
-        for lines in self.lines {
-            let (roots, is_lost) = cross(wide, lines);
-            for ((line, root), is_lost) in lines.iter_mut().zip(roots).zip(is_lost) {
-                // Within half an edge they are already.
-                let root = if self.reach < 0.5 { root.max(least).min(most) } else { root };
-                wide.store_f64(root, &mut line.delta);
-                line.is_odd |= is_lost;
-            }
+        match self.pairs {
+            2 => self.find::<W, 2>(wide),
+            _ => self.find::<W, 3>(wide),
         }
     }
 }
 
-/// An expression for the first of two, and for the second. A macro, since closures are not always inlined into
-/// the function that a level's instructions are enabled for.
-macro_rules! both {
-    ($n:ident => $value:expr) => {{
-        let first = {
-            let $n = 0;
-            $value
-        };
-        let second = {
-            let $n = 1;
-            $value
-        };
-        [first, second]
-    }};
-}
-
-/// Where cubics through four values cross the edge in their middle, or the straight lines do if those ring; the
-/// bits of those that have yet to be found.
-#[inline(always)]
-fn cross<W: Wide>(wide: W, lines: &[Line; 2]) -> ([W::F64; 2], [u16; 2]) {
-    let (zero, half) = (wide.f64(0.0), wide.f64(0.5));
-    let a = both!(n => wide.load_f64(&lines[n].values[1]));
-    let b = both!(n => wide.load_f64(&lines[n].values[2]));
-    let rise = both!(n => b[n] - a[n]);
-    let straight = both!(n => (a[n] + b[n]) / rise[n] * wide.f64(-0.5));
-    let scale = both!(n => wide.f64(0.25) / rise[n]);
-    let before = both!(n => wide.load_f64(&lines[n].values[0]));
-    let after = both!(n => wide.load_f64(&lines[n].values[3]));
-    let even = both!(n =>
-        ((before[n] + after[n]) - (a[n] + b[n])) * scale[n]
-    );
-    let odd = both!(n =>
-        ((after[n] - before[n]) * wide.f64(1.0 / 3.0) - rise[n]) * (scale[n] + scale[n])
-    );
-    let narrow = Narrow::<W> {
-        even: both!(n => wide.f64_to_f32(even[n])),
-        odd: both!(n => wide.f64_to_f32(odd[n])),
-        straight: both!(n => wide.f64_to_f32(straight[n])),
-    };
-    let is_plain = narrow.is_plain(wide);
-    let (s, factor, is_good) = narrow.roots(wide);
-    // Corrected by what is one over the slope.
-    let mut s = both!(n => wide.f32_to_f64(s[n]));
-    let factor = both!(n => wide.f32_to_f64(factor[n]));
-    let mut step = s;
-    for _ in 0..CORRECTIONS {
-        let edge = both!(n => s[n] * s[n] - wide.f64(0.25));
-        let both = both!(n => even[n] + s[n] * odd[n]);
-        let value = both!(n => (s[n] - straight[n]) + edge[n] * both[n]);
-        step = both!(n => value[n] * factor[n]);
-        s = both!(n => s[n] - step[n]);
-    }
-    // At a sample that is the isovalue there is nothing to search.
-    let is_curved = both!(n => is_plain[n] & straight[n].abs().less(half));
-    let is_small = both!(n => step[n].abs().less(wide.f64(SMALL)));
-    let is_on_edge = both!(n => !half.less(s[n].abs()));
-    let is_found = both!(n => is_good[n] & is_small[n] & is_on_edge[n]);
-    // No finite rise, no line.
-    let is_finite = both!(n => zero.less(scale[n].abs()));
-    (
-        both!(n => wide.select_f64(is_curved[n], s[n], straight[n])),
-        both!(n => !is_finite[n] | (is_curved[n] & !is_found[n])),
-    )
-}
-
-/// Cubics less the isovalue over the difference of the ends, in f32: their even parts, their odd parts, and
-/// where they were crossed without both.
-struct Narrow<W: Wide> {
-    even: [W::F32; 2],
-    odd: [W::F32; 2],
-    straight: [W::F32; 2],
-}
-
-impl<W: Wide> Narrow<W> {
-    /// The coefficients of s, and of 1 with the other sign.
+impl Roots<'_> {
     #[inline(always)]
-    fn line(&self, wide: W) -> [[W::F32; 2]; 2] {
-        let (one, quarter) = (wide.f32(1.0), wide.f32(0.25));
-        [
-            both!(n => one - quarter * self.odd[n]),
-            both!(n => self.straight[n] + quarter * self.even[n]),
-        ]
+    fn find<W: Wide, const PAIRS: usize>(self, wide: W) {
+        for (line, search) in self.lines.iter_mut().zip(self.searches.iter_mut()) {
+            search.begin::<W, PAIRS>(wide, line);
+        }
+        for search in self.searches[..self.lines.len()].iter_mut() {
+            search.step::<W, PAIRS, 1>(wide);
+        }
+        for search in self.searches[..self.lines.len()].iter_mut() {
+            search.step::<W, PAIRS, 2>(wide);
+            search.end::<W, PAIRS>(wide);
+        }
+        let (least, most) = (wide.f64(-self.reach), wide.f64(self.reach));
+        for (line, search) in self.lines.iter_mut().zip(self.searches.iter()) {
+            let root = search.corrected::<W, PAIRS>(wide, line);
+            // Within half an edge they are already.
+            let root = if self.reach < 0.5 { root.max(least).min(most) } else { root };
+            wide.store_f64(root, &mut line.delta);
+        }
+    }
+}
+
+/// What is known of the roots of a batch in f32: the curves over their rises, c₁s + c₂s² + … + c₅s⁵ − fall, and how
+/// far the search is.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Search {
+    fall: [f32; BATCH],
+    c: [[f32; BATCH]; 5],
+    /// One over the rise.
+    scale: [f32; BATCH],
+    /// The place.
+    s: [f32; BATCH],
+    /// One over the slope near there.
+    factor: [f32; BATCH],
+    /// Those that have a finite rise, those whose search went well so far, those where an end is the isovalue,
+    /// and those where it would be the lower one.
+    is_scaled: u16,
+    is_good: u16,
+    is_end: u16,
+    is_low: u16,
+}
+
+impl Search {
+    pub(super) const DEFAULT: Self = Self {
+        fall: [0.0; BATCH],
+        c: [[0.0; BATCH]; 5],
+        scale: [0.0; BATCH],
+        s: [0.0; BATCH],
+        factor: [0.0; BATCH],
+        is_scaled: 0,
+        is_good: 0,
+        is_end: 0,
+        is_low: 0,
+    };
+
+    /// Takes the values of lines, and leaves in their place the sums of the ends, the rises, and the even and the
+    /// odd parts times the rises.
+    #[inline(always)]
+    fn begin<W: Wide, const PAIRS: usize>(&mut self, wide: W, line: &mut Line) {
+        let (zero, half) = (wide.f64(0.0), wide.f64(0.5));
+        let a = wide.load_f64(&line.values[PAIRS - 1]);
+        let b = wide.load_f64(&line.values[PAIRS]);
+        let (sum, rise) = (a + b, b - a);
+        self.is_end = !(a * b).less(zero);
+        let below = wide.load_f64(&line.values[PAIRS - 2]);
+        let above = wide.load_f64(&line.values[PAIRS + 1]);
+        let even = below + above;
+        let odd = (above - below) * wide.f64(1.0 / 3.0);
+        let (a, b) = (even - sum, odd - rise);
+        let mut parts = [a * wide.f64(0.25), b * half, zero, zero];
+        if PAIRS == 3 {
+            let below = wide.load_f64(&line.values[0]);
+            let above = wide.load_f64(&line.values[2 * PAIRS - 1]);
+            let a_u = ((below + above) - even) * half - a;
+            let b_u = ((above - below) * wide.f64(1.0 / 5.0) - odd) * half - b;
+            parts[2] = a_u * wide.f64(1.0 / 24.0);
+            parts[3] = b_u * wide.f64(1.0 / 12.0);
+        }
+        let narrow_rise = wide.f64_to_f32(rise);
+        let scale = reciprocal::<W, 3>(wide, narrow_rise);
+        let lost = (wide.f32(1.0) - narrow_rise * scale).abs();
+        self.is_scaled = lost.less(wide.f32(1.0 / 1024.0));
+        let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
+        self.is_low = straight.less(wide.f32(0.0));
+        let mut narrow = [straight; 4];
+        for n in 0..2 * PAIRS - 2 {
+            narrow[n] = wide.f64_to_f32(parts[n]) * scale;
+        }
+        let mut curves = Curves::new::<PAIRS>(wide, straight, narrow);
+        let is_plain = curves.is_plain::<PAIRS>(wide);
+        curves.straighten::<PAIRS>(wide, is_plain, straight);
+        wide.store_f64(sum, &mut line.values[0]);
+        wide.store_f64(rise, &mut line.values[1]);
+        for (part, to) in parts.into_iter().zip(&mut line.values[2..2 * PAIRS]) {
+            wide.store_f64(wide.select_f64(is_plain, part, zero), to);
+        }
+        wide.store_f32(curves.fall, &mut self.fall);
+        for (c, to) in curves.c.into_iter().zip(&mut self.c[..2 * PAIRS - 1]) {
+            wide.store_f32(c, to);
+        }
+        wide.store_f32(scale, &mut self.scale);
+        wide.store_f32(curves.of_parabola::<PAIRS>(wide), &mut self.s);
+    }
+
+    #[inline(always)]
+    fn curves<W: Wide, const PAIRS: usize>(&self, wide: W) -> Curves<W> {
+        let mut c = [wide.f32(0.0); 5];
+        for (c, from) in c.iter_mut().zip(&self.c[..2 * PAIRS - 1]) {
+            *c = wide.load_f32(from);
+        }
+        Curves { fall: wide.load_f32(&self.fall), c }
+    }
+
+    /// A step of Halley's, in which a reciprocal is made in so many.
+    #[inline(always)]
+    fn step<W: Wide, const PAIRS: usize, const OF_RECIPROCAL: usize>(&mut self, wide: W) {
+        let s = wide.load_f32(&self.s);
+        let [value, slope, bend] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
+        let pull = slope * slope - value * bend;
+        let factor = slope * reciprocal::<W, OF_RECIPROCAL>(wide, pull);
+        wide.store_f32(s - value * factor, &mut self.s);
+        wide.store_f32(factor, &mut self.factor);
+    }
+
+    /// One over the slope at the place where the steps end.
+    #[inline(always)]
+    fn end<W: Wide, const PAIRS: usize>(&mut self, wide: W) {
+        let (s, factor) = (wide.load_f32(&self.s), wide.load_f32(&self.factor));
+        let [_, slope, _] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
+        let (product, two) = (slope * factor, wide.f32(2.0));
+        let is_near = (wide.f32(1.0) - product).abs().less(wide.f32(1.0 / 32.0));
+        self.is_good = wide.f32(0.0).less(slope) & is_near;
+        let factor = factor * (two - product);
+        wide.store_f32(factor * (two - slope * factor), &mut self.factor);
+    }
+
+    /// The roots. Those that have yet to be found are called odd.
+    #[inline(always)]
+    fn corrected<W: Wide, const PAIRS: usize>(&self, wide: W, line: &mut Line) -> W::F64 {
+        let half = wide.f64(0.5);
+        let mut held = [half; 6];
+        for (held, from) in held.iter_mut().zip(&line.values[..2 * PAIRS]) {
+            *held = wide.load_f64(from);
+        }
+        let [sum, rise, even, odd, even_u, odd_u] = held;
+        let s = wide.f32_to_f64(wide.load_f32(&self.s));
+        let factor = wide.load_f32(&self.factor) * wide.load_f32(&self.scale);
+        let square = s * s;
+        let (mut a, mut b) = (even, odd);
+        if PAIRS == 3 {
+            let v = square - wide.f64(2.25);
+            (a, b) = (a + v * even_u, b + v * odd_u);
+        }
+        let value = (s * rise + sum * half) + (square - wide.f64(0.25)) * (a + s * b);
+        let step = value * wide.f32_to_f64(factor);
+        let s = s - step;
+        let is_found = self.is_good & step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
+        line.is_odd |= !(self.is_scaled & (self.is_end | is_found));
+        // Where an end is the isovalue there is nothing to search.
+        let end = wide.select_f64(self.is_low, wide.f64(-0.5), half);
+        wide.select_f64(self.is_end, end, s)
+    }
+}
+
+/// Curves over their rises.
+struct Curves<W: Wide> {
+    fall: W::F32,
+    c: [W::F32; 5],
+}
+
+impl<W: Wide> Curves<W> {
+    #[inline(always)]
+    fn new<const PAIRS: usize>(wide: W, straight: W::F32, parts: [W::F32; 4]) -> Self {
+        let ([mut a, mut b, a_u, b_u], quarter) = (parts, wide.f32(0.25));
+        let (mut c2, mut c3) = (a, b);
+        if PAIRS == 3 {
+            (a, b) = (a - wide.f32(2.25) * a_u, b - wide.f32(2.25) * b_u);
+            (c2, c3) = (a - quarter * a_u, b - quarter * b_u);
+        }
+        let c1 = wide.f32(1.0) - quarter * b;
+        Self { fall: straight + quarter * a, c: [c1, c2, c3, a_u, b_u] }
+    }
+
+    /// Makes straight lines of those that are not plain.
+    #[inline(always)]
+    fn straighten<const PAIRS: usize>(&mut self, wide: W, is_plain: u16, straight: W::F32) {
+        self.fall = wide.select_f32(is_plain, self.fall, straight);
+        self.c[0] = wide.select_f32(is_plain, self.c[0], wide.f32(1.0));
+        for n in 1..2 * PAIRS - 1 {
+            self.c[n] = wide.select_f32(is_plain, self.c[n], wide.f32(0.0));
+        }
     }
 
     /// Those that are monotone on the edge, or convex or concave.
     #[inline(always)]
-    fn is_plain(&self, wide: W) -> [u16; 2] {
-        let ([linear, _], Self { even, odd, .. }) = (self.line(wide), self);
+    fn is_plain<const PAIRS: usize>(&self, wide: W) -> u16 {
+        let [c1, c2, c3, c4, c5] = self.c;
         let (zero, one, half, three) = (wide.f32(0.0), wide.f32(1.0), wide.f32(0.5), wide.f32(3.0));
-        both!(n => {
-            let (twice, thrice) = (even[n] + even[n], three * odd[n]);
+        if PAIRS == 2 {
+            let (twice, thrice) = (c2 + c2, three * c3);
             let turns = twice.abs().less(thrice.abs());
-            let ends_rise = !(one + half * odd[n]).less(even[n].abs());
-            let rises = odd[n].less(zero) | !(thrice * linear[n]).less(even[n] * even[n]);
-            !turns | (ends_rise & rises)
-        })
-    }
-
-    /// Places near to the roots, one over the slope there, and the bits of those where that is fit to be used.
-    #[inline(always)]
-    fn roots(&self, wide: W) -> ([W::F32; 2], [W::F32; 2], [u16; 2]) {
-        let ([linear, fall], Self { even, odd, .. }) = (self.line(wide), self);
-        let (zero, one, two) = (wide.f32(0.0), wide.f32(1.0), wide.f32(2.0));
-        let flat = both!(n => one - wide.f32(0.0625) * odd[n]);
-        let square = both!(n => flat[n] * flat[n] + wide.f32(4.0) * even[n] * fall[n]);
-        let root = both!(n => square[n].max(zero).sqrt());
-        let mut s = both!(n => (fall[n] + fall[n]) / (flat[n] + root[n]));
-        let mut factor = s;
-        for _ in 0..STEPS {
-            let [second, steep, slope] = self.slopes(s, linear);
-            let value = both!(n => second[n] * s[n] - fall[n]);
-            let bend = both!(n => odd[n] * s[n] + steep[n]);
-            let pull = both!(n => slope[n] * slope[n] - value[n] * bend[n]);
-            factor = both!(n => slope[n] / pull[n]);
-            s = both!(n => s[n] - value[n] * factor[n]);
+            let ends_rise = !(one + half * c3).less(c2.abs());
+            let rises = c3.less(zero) | !(thrice * c1).less(c2 * c2);
+            return !turns | (ends_rise & rises);
         }
-        let [_, _, slope] = self.slopes(s, linear);
-        let factor = both!(n => factor[n] * (two - slope[n] * factor[n]));
-        let is_good = both!(n => zero.less(slope[n]) & zero.less(factor[n]));
-        (s, factor, is_good)
+        let (d1, d2) = (c2, wide.f32(0.75) * c3);
+        let (d3, d4) = (half * c4, wide.f32(0.3125) * c5);
+        let third = wide.f32(1.0 / 3.0);
+        let rising = [
+            (c1, wide.f32(0.25) * d1),
+            (c1 + d2 * wide.f32(1.0 / 6.0), half * d1),
+            (c1 + half * d2, wide.f32(0.75) * d1 + wide.f32(0.25) * d3),
+            (c1 + (d2 + d4), d1 + d3),
+        ];
+        let bending = [
+            (d1, (third + third) * d2),
+            (d1 + d3, (one + third) * d2),
+            (d1 + three * d3, (d2 + d2) + wide.f32(4.0) * d4),
+        ];
+        let (mut falls, mut bends_down, mut bends_up) = (0, 0, 0);
+        for (even, odd) in rising {
+            falls |= (even - odd.abs()).less(zero);
+        }
+        for (even, odd) in bending {
+            bends_down |= (even - odd.abs()).less(zero);
+            bends_up |= zero.less(even + odd.abs());
+        }
+        !(falls & bends_down & bends_up)
     }
 
-    /// By Horner's rule what is multiplied by s in the value, what is in the slope, and the slope.
+    /// The roots of parabolas that are near.
     #[inline(always)]
-    fn slopes(&self, s: [W::F32; 2], linear: [W::F32; 2]) -> [[W::F32; 2]; 3] {
-        let Self { even, odd, .. } = *self;
-        let third = both!(n => odd[n] * s[n]);
-        let first = both!(n => third[n] + even[n]);
-        let second = both!(n => first[n] * s[n] + linear[n]);
-        let steep = both!(n => first[n] + third[n]);
-        [second, steep, both!(n => steep[n] * s[n] + second[n])]
+    fn of_parabola<const PAIRS: usize>(&self, wide: W) -> W::F32 {
+        let [c1, c2, c3, c4, c5] = self.c;
+        let (mut fall, mut second, mut first) = (self.fall, c2, c1 + wide.f32(0.1875) * c3);
+        if PAIRS == 3 {
+            fall = fall + wide.f32(0.0078125) * c4;
+            second = second + wide.f32(0.25) * c4;
+            first = first + wide.f32(0.0390625) * c5;
+        }
+        let square = (first * first + wide.f32(4.0) * second * fall).max(wide.f32(0.0));
+        let root = square * reciprocal_root(wide, square);
+        (fall + fall) * reciprocal::<W, 1>(wide, first + root)
     }
+
+    /// Values, slopes, and halves of second derivatives, by Horner's rule.
+    #[inline(always)]
+    fn at<const PAIRS: usize>(&self, s: W::F32) -> [W::F32; 3] {
+        let ([c1, c2, c3, c4, c5], fall) = (self.c, self.fall);
+        if PAIRS == 2 {
+            let third = c3 * s;
+            let first = third + c2;
+            let second = first * s + c1;
+            let steep = first + third;
+            return [second * s - fall, steep * s + second, third + steep];
+        }
+        let fifth = c5 * s;
+        let b4 = fifth + c4;
+        let (b3, d3) = (b4 * s + c3, fifth + b4);
+        let (b2, d2, e2) = (b3 * s + c2, d3 * s + b3, fifth + d3);
+        let (b1, d1, e1) = (b2 * s + c1, d2 * s + b2, e2 * s + d2);
+        [b1 * s - fall, d1 * s + b1, e1 * s + d1]
+    }
+}
+
+/// One over numbers; each step squares what a guess is wrong.
+#[inline(always)]
+fn reciprocal<W: Wide, const STEPS: usize>(wide: W, x: W::F32) -> W::F32 {
+    let (mut y, two) = (wide.guess_reciprocal(x), wide.f32(2.0));
+    for _ in 0..STEPS {
+        y = y * (two - x * y);
+    }
+    y
+}
+
+/// One over the roots of numbers, right to two thousandths.
+#[inline(always)]
+fn reciprocal_root<W: Wide>(wide: W, x: W::F32) -> W::F32 {
+    let y = wide.guess_reciprocal_root(x);
+    y * (wide.f32(1.5) - wide.f32(0.5) * x * (y * y))
 }

@@ -17,6 +17,12 @@ use std::ops::{Add, Div, Mul, Sub};
 /// Numbers in a batch: one register of f32 at the widest, two of f64.
 pub(super) const BATCH: usize = 16;
 
+/// Less the bits of a number, those of about one over it.
+const RECIPROCAL: u32 = 0x7EF3_11C7;
+
+/// Less half of the bits of a number, those of about one over its root (Lomont 2003, "Fast inverse square root").
+const RECIPROCAL_ROOT: u32 = 0x5F37_59DF;
+
 /// Work that is written once and compiled for every level.
 pub(super) trait Task {
     fn run<W: Wide>(self, wide: W);
@@ -79,6 +85,8 @@ pub trait Wide: Copy {
 
     fn load_f32(self, numbers: &[f32; BATCH]) -> Self::F32;
 
+    fn store_f32(self, numbers: Self::F32, out: &mut [f32; BATCH]);
+
     fn load_f64(self, numbers: &[f64; BATCH]) -> Self::F64;
 
     fn store_f64(self, numbers: Self::F64, out: &mut [f64; BATCH]);
@@ -95,6 +103,9 @@ pub trait Wide: Copy {
     /// The first where the bit is set, else the second.
     fn select_f64(self, mask: u16, a: Self::F64, b: Self::F64) -> Self::F64;
 
+    /// The first where the bit is set, else the second.
+    fn select_f32(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32;
+
     fn u32_to_f64(self, numbers: Self::U32) -> Self::F64;
 
     fn f32_to_f64(self, numbers: Self::F32) -> Self::F64;
@@ -104,6 +115,12 @@ pub trait Wide: Copy {
 
     /// The power of two by which a number becomes one from 1 to 2; for numbers in [`TAME`](super::TAME).
     fn to_unit(self, numbers: Self::F32) -> Self::F32;
+
+    /// One over a number, right to an eighth: a guess by the bits.
+    fn guess_reciprocal(self, numbers: Self::F32) -> Self::F32;
+
+    /// One over the root of a number, right to a twentieth: a guess by the bits.
+    fn guess_reciprocal_root(self, numbers: Self::F32) -> Self::F32;
 
     /// The samples of the numbers `from + at[n]`, where `at` counts up and down.
     ///

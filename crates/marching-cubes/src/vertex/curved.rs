@@ -1,15 +1,15 @@
 //! Vertices on polynomials, and normals of as high an order.
 
-use super::{Cut, Placer, curve::Curve, delta};
+use super::{Cut, Placer, curve::crossing, delta};
 use crate::Placement;
-use isokit_lanes::{Coordinate, Edges, OneByOne, Vertices, cubic_vertices};
+use isokit_lanes::{Coordinate, Curve, Edges, OneByOne, Vertices, curved_vertices};
 use isokit_volume::{Dtype, Sample, line};
 
 /// The most samples on one line that a place depends on.
 const MOST: usize = 6;
 
 impl<T: Sample> Placer<'_, T> {
-    /// Places vertices on curves. A kernel places those on cubics; what it calls odd is done one by one.
+    /// Places vertices on curves. A kernel does most; what it calls odd is done one by one.
     pub(super) fn place_curved<C: Coordinate>(
         &self,
         edges: &Edges,
@@ -17,14 +17,18 @@ impl<T: Sample> Placer<'_, T> {
         mut normals: Option<&mut [[f32; 3]]>,
         odd: &mut Vec<u32>,
     ) {
-        match (&self.samples, self.placement) {
-            (Some(samples), Placement::Cubic) => {
+        let curve = match self.placement {
+            Placement::Quintic => Curve::Quintic,
+            _ => Curve::Cubic,
+        };
+        match &self.samples {
+            Some(samples) => {
                 let normals = normals.as_deref_mut();
                 let out = Vertices { positions: &mut *positions, normals, odd: &mut *odd };
                 let one_by_one = OfEdges { placer: self, edges };
-                cubic_vertices(samples, &self.field, edges, &one_by_one, out);
+                curved_vertices((samples, &self.field), curve, edges, &one_by_one, out);
             }
-            _ => odd.extend(0..edges.len() as u32),
+            None => odd.extend(0..edges.len() as u32),
         }
         for n in odd.iter().map(|&n| n as usize) {
             let (axis, low) = edges.get(n);
@@ -43,8 +47,7 @@ impl<T: Sample> Placer<'_, T> {
         let mut around = [0.0; MOST];
         let around = &mut around[..2 * self.placement.pairs()];
         self.line(ijk, axis, around);
-        let curve = Curve::through(around)?;
-        let delta = curve.crossing(delta(cut.values, self.field.iso));
+        let delta = crossing(around, delta(cut.values, self.field.iso))?;
         Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..*cut })
     }
 
@@ -100,15 +103,14 @@ struct OfEdges<'e, 'a, T> {
 }
 
 impl<T: Sample> OneByOne for OfEdges<'_, '_, T> {
-    fn line(&self, edge: usize) -> Option<[f64; 4]> {
+    fn line(&self, edge: usize, values: &mut [f64]) -> bool {
         let (axis, low) = self.edges.get(edge);
         let (dims, low) = (self.placer.view.dims(), low.map(|i| i as usize));
         let is_within = (0..3).all(|k| low[k] + usize::from(k == axis) < dims[k]);
-        is_within.then(|| {
-            let mut around = [0.0; 4];
-            self.placer.line(low, axis, &mut around);
-            around
-        })
+        if is_within {
+            self.placer.line(low, axis, values);
+        }
+        is_within
     }
 
     fn normal(&self, edge: usize, delta: f64) -> [f32; 3] {

@@ -1,6 +1,6 @@
 //! Sixteen numbers in one AVX-512 register, or in two.
 
-use super::{BATCH, Exact, Float, Wide};
+use super::{BATCH, Exact, Float, RECIPROCAL, RECIPROCAL_ROOT, Wide};
 use crate::{Lane, Samples};
 use std::{
     any::TypeId,
@@ -207,6 +207,12 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
+    fn store_f32(self, numbers: F32, out: &mut [f32; BATCH]) {
+        // SAFETY: as in `load`.
+        unsafe { _mm512_storeu_ps(out.as_mut_ptr(), numbers.0) };
+    }
+
+    #[inline(always)]
     fn load_f64(self, numbers: &[f64; BATCH]) -> F64 {
         let (halves, _) = numbers.as_chunks::<8>();
         // SAFETY: as in `load`, for both halves.
@@ -251,6 +257,12 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
+    fn select_f32(self, mask: u16, a: F32, b: F32) -> F32 {
+        // SAFETY: there is a token.
+        F32(unsafe { _mm512_mask_blend_ps(mask, b.0, a.0) })
+    }
+
+    #[inline(always)]
     fn u32_to_f64(self, numbers: U32) -> F64 {
         let [low, high] = halves(self, numbers.0);
         // SAFETY: there is a token.
@@ -284,6 +296,26 @@ impl Wide for Avx512 {
                 _mm512_and_si512(_mm512_castps_si512(numbers.0), _mm512_set1_epi32(0x7F80_0000));
             let opposite = _mm512_sub_epi32(_mm512_set1_epi32(0x7F00_0000), exponents);
             F32(_mm512_castsi512_ps(opposite))
+        }
+    }
+
+    #[inline(always)]
+    fn guess_reciprocal(self, numbers: F32) -> F32 {
+        // SAFETY: there is a token.
+        unsafe {
+            let bits = _mm512_castps_si512(numbers.0);
+            let guess = _mm512_sub_epi32(_mm512_set1_epi32(RECIPROCAL as i32), bits);
+            F32(_mm512_castsi512_ps(guess))
+        }
+    }
+
+    #[inline(always)]
+    fn guess_reciprocal_root(self, numbers: F32) -> F32 {
+        // SAFETY: there is a token.
+        unsafe {
+            let half = _mm512_srli_epi32::<1>(_mm512_castps_si512(numbers.0));
+            let guess = _mm512_sub_epi32(_mm512_set1_epi32(RECIPROCAL_ROOT as i32), half);
+            F32(_mm512_castsi512_ps(guess))
         }
     }
 

@@ -1,6 +1,6 @@
 //! Sixteen numbers as an array.
 
-use super::{BATCH, Exact, Float, Wide};
+use super::{BATCH, Exact, Float, RECIPROCAL, RECIPROCAL_ROOT, Wide};
 use crate::{Lane, Samples};
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -129,6 +129,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn store_f32(self, numbers: Array<f32>, out: &mut [f32; BATCH]) {
+        *out = numbers.0;
+    }
+
+    #[inline(always)]
     fn load_f64(self, numbers: &[f64; BATCH]) -> Array<f64> {
         Array(*numbers)
     }
@@ -159,6 +164,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn select_f32(self, mask: u16, a: Array<f32>, b: Array<f32>) -> Array<f32> {
+        Array(each!(n => if mask >> n & 1 == 1 { a.0[n] } else { b.0[n] }))
+    }
+
+    #[inline(always)]
     fn u32_to_f64(self, numbers: Array<u32>) -> Array<f64> {
         Array(each!(n => f64::from(numbers.0[n])))
     }
@@ -178,6 +188,16 @@ impl Wide for Plain {
         Array(
             each!(n => f32::from_bits(0x7F00_0000_u32.wrapping_sub(numbers.0[n].to_bits() & 0x7F80_0000))),
         )
+    }
+
+    #[inline(always)]
+    fn guess_reciprocal(self, numbers: Array<f32>) -> Array<f32> {
+        Array(each!(n => f32::from_bits(RECIPROCAL.wrapping_sub(numbers.0[n].to_bits()))))
+    }
+
+    #[inline(always)]
+    fn guess_reciprocal_root(self, numbers: Array<f32>) -> Array<f32> {
+        Array(each!(n => f32::from_bits(RECIPROCAL_ROOT.wrapping_sub(numbers.0[n].to_bits() >> 1))))
     }
 
     #[inline(always)]
