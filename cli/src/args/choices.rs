@@ -26,11 +26,11 @@ pub(crate) enum BoundaryArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TopologyArg {
-    /// One fixed answer per case: always closed; may separate what the field joins
-    #[default]
-    Table,
     /// What the trilinear interpolant of a cell's samples connects, decided without rounding: always closed
+    #[default]
     Trilinear,
+    /// One fixed answer per case: always closed; may separate what the field joins
+    Table,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
