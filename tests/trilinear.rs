@@ -191,7 +191,7 @@ fn ties_of_saddles_have_the_pieces_that_are_certified_and_are_counted() {
         check_volume([2; 3], &samples.map(|sample| -sample));
         let made = volume([2; 3], samples.map(|sample| sample as i8));
         assert_eq!(told(&made, 0.0, &trilinear(Boundary::Open)).singular_cells, singular);
-        let table = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+        let table = trilinear(Boundary::Open).with_topology(Topology::Table);
         assert_eq!(told(&made, 0.0, &table).singular_cells, 0, "which does not ask");
     }
 }

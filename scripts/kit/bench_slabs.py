@@ -41,6 +41,7 @@ def slabs(bench: Bench, store: Store) -> None:
     out = store.folder / "slabs.ply"
     words = [PROJECT / "target/release/isokit", "extract", volume.path, "-q", "-o", out]
     words += ["--dims", ",".join(map(str, dims)), "--dtype", volume.dtype, "--iso", volume.iso]
+    words += ["--topology", "table", "--placement", "linear"]
     commands = {"slabs": [*words, "--max-memory", f"{limit}MiB"], "whole": words}
     taken = {name: Series(name, volume.name, {"op": "command"}) for name in commands}
     warm(volume.path)

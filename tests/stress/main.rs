@@ -23,13 +23,13 @@ use isokit::{
 use isokit_tests::{check::Census, fields::Field, oracle::assert_as_defined, reference::Surface};
 use std::{array::from_fn, num::NonZeroUsize, sync::OnceLock};
 
-/// All options under which the surface must be as it is defined.
+/// All options under which the surface must be as the table defines it.
 fn options() -> Vec<ExtractOptions> {
     let mut all = vec![];
     for boundary in [Boundary::Closed, Boundary::Open] {
         for degenerate in [Degenerate::Never, Degenerate::Exact] {
-            let options = ExtractOptions::DEFAULT.with_boundary(boundary);
-            all.push(options.with_degenerate(degenerate));
+            let options = ExtractOptions::DEFAULT.with_topology(Topology::Table);
+            all.push(options.with_boundary(boundary).with_degenerate(degenerate));
         }
     }
     all

@@ -11,7 +11,7 @@ use std::fs;
 fn limits(words: &str) -> Vec<String> {
     let room = 40 * 1024 + 3 * 1024 * words.matches("--iso ").count();
     // Where all cells may be special, a slice takes four times as much.
-    let times = if words.contains("trilinear") { 4 } else { 1 };
+    let times = if words.contains("--topology table") { 1 } else { 4 };
     let slices = match words.contains("--placement") {
         true => [21, 23, 26, 1 << 20],
         false => [7, 9, 13, 1 << 20],
@@ -99,7 +99,7 @@ fn every_choice_of_surface_part_and_place_gets_the_same_bytes() {
     folder.volume("noise.nii", Space::Ras, |[i, j, k]| {
         ((7 * i + 11 * j * j + 13 * k * i) % 9) as f32
     });
-    same(&folder, "noise.nii --iso 4 --topology trilinear -o a.ply");
+    same(&folder, "noise.nii --iso 4 --topology table -o a.ply");
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn the_report_tells_what_is_known_of_slices_that_passed_by() {
     let folder = Folder::with_ball();
     let words = "extract ball.nii --iso 50:ball --iso 20 --roi :,:,2:11 -o a.glb --report";
     folder.done(&format!("{words} whole.json"));
-    folder.done(&format!("{words} slabs.json --max-memory 55303KiB"));
+    folder.done(&format!("{words} slabs.json --max-memory 56MiB"));
     let (whole, slabs) = (folder.json("whole.json"), folder.json("slabs.json"));
     for key in ["schema", "command", "input", "outputs", "warnings", "threads", "version"] {
         assert_eq!(slabs[key], whole[key], "{key}");
@@ -166,7 +166,8 @@ fn what_cannot_be_had_is_refused_with_what_can() {
     let noise: Vec<u8> =
         (0..300 * 300 * 6_u32).map(|n| (n.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     fs::write(folder.path("a.raw"), noise).unwrap();
-    let dense = "a.raw --dims 300,300,6 --dtype u8 --iso 99.5 -o a.ply --max-memory 44MiB";
+    let dense =
+        "a.raw --dims 300,300,6 --dtype u8 --iso 99.5 -o a.ply --topology table --max-memory 44MiB";
     fs::write(folder.path("f.npy"), fortran()).unwrap();
     for (words, exit, says) in [
         (

@@ -109,7 +109,7 @@ mod tests {
         let options = &ExtractOptions::DEFAULT;
         let grid = Grid::new([700, 500, 300], Default::default()).unwrap();
         let per_slice = bytes_per_slice(&grid, Dtype::F32, 2, options).unwrap();
-        for bytes in (10..1000).map(|n| n << 20) {
+        for bytes in (40..1000).map(|n| n << 20) {
             let budget = Budget::within(bytes, (&grid, Dtype::F32), (2, 1), options).unwrap();
             let window = budget.window as u64 * per_slice;
             assert!(
