@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from statistics import median
 
 from kit.bench_measure import RUST_PEERS, Bench, Entry, Series, extract
 from kit.bench_peers import PEERS
@@ -102,27 +103,47 @@ def real(bench: Bench, store: Store) -> None:
 
 
 def modes(bench: Bench, store: Store) -> None:
-    """What topology and placement cost beside the plain way, on scans."""
+    """What topology and placement cost beside the plain way, on scans, and on all of them together."""
     changes = (
         ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),
         ("--placement cubic", {"placement": "cubic"}, False, {"must": 1.15}),
         ("--placement cubic", {"placement": "cubic"}, True, {}),
         ("--placement quintic", {"placement": "quintic"}, False, {}),
+        ("--placement quintic", {"placement": "quintic"}, True, {}),
     )
+    seconds: dict[int, list[list[list[float]]]] = {n: [] for n in range(len(changes))}
+
+    def what(option: str, normals: bool) -> str:
+        return f"{'' if normals else 'no '}normals, warm, 1 thread, {option} vs without"
+
     for volume in scans(bench, store, "modes"):
         with bench.workers():
-            for option, change, normals, limits in changes:
+            for n, (option, change, normals, limits) in enumerate(changes):
                 plain = extract(volume, normals=normals, warm=True)
                 requests = (plain | change, plain)
                 done = bench.run([Entry("isokit", volume, one, True) for one in requests])
                 bench.compare(
                     *done,
                     row="modes",
-                    work=f"{volume.name} {volume.dtype}, {'' if normals else 'no '}normals, warm, "
-                    f"1 thread, {option} vs without",
+                    work=f"{volume.name} {volume.dtype}, {what(option, normals)}",
                     at_least=False,
                     **limits,
                 )
+                if all(done):
+                    seconds[n].append([series.seconds for series in done])
+    for n, (option, _, normals, limits) in enumerate(changes):
+        if len(seconds[n]) > 1:
+            sides = zip(*seconds[n], strict=True)
+            ours, theirs = ([sum(runs) for runs in zip(*side, strict=True)] for side in sides)
+            bench.add(
+                [a / b for a, b in zip(ours, theirs, strict=True)],
+                f"{1e3 * median(ours):.1f} ms",
+                f"{1e3 * median(theirs):.1f} ms",
+                row="modes",
+                work=f"all scans together, {what(option, normals)}",
+                at_least=False,
+                **limits,
+            )
 
 
 def threads(bench: Bench, store: Store) -> None:

@@ -11,6 +11,10 @@ use super::{
     curves::Line,
     wide::{BATCH, Float, Task, Wide},
 };
+use std::ops::Range;
+
+/// The rises of which no f32 that counts overflows or loses a digit: 2⁻⁶⁰ to 2⁶⁰.
+const TAME: Range<f32> = 8.673_617_4e-19..1.152_921_5e18;
 
 /// If the correction is so small, a root is found.
 const SMALL: f64 = 1.0 / (1_u64 << 21) as f64;
@@ -70,9 +74,9 @@ pub(super) struct Search {
     s: [f32; BATCH],
     /// One over the slope near there.
     factor: [f32; BATCH],
-    /// Those that have a finite rise, those whose search went well so far, those where an end is the isovalue,
-    /// and those where it would be the lower one.
-    is_scaled: u16,
+    /// Those whose rise is tame, those whose search went well, those where an end is the isovalue, and those
+    /// where it would be the lower one.
+    is_tame: u16,
     is_good: u16,
     is_end: u16,
     is_low: u16,
@@ -85,7 +89,7 @@ impl Search {
         scale: [0.0; BATCH],
         s: [0.0; BATCH],
         factor: [0.0; BATCH],
-        is_scaled: 0,
+        is_tame: 0,
         is_good: 0,
         is_end: 0,
         is_low: 0,
@@ -116,8 +120,8 @@ impl Search {
         }
         let narrow_rise = wide.f64_to_f32(rise);
         let scale = reciprocal::<W, 3>(wide, narrow_rise);
-        let lost = (wide.f32(1.0) - narrow_rise * scale).abs();
-        self.is_scaled = lost.less(wide.f32(1.0 / 1024.0));
+        let size = narrow_rise.abs();
+        self.is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
         let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
         self.is_low = straight.less(wide.f32(0.0));
         let mut narrow = [straight; 4];
@@ -193,7 +197,7 @@ impl Search {
         let step = value * wide.f32_to_f64(factor);
         let s = s - step;
         let is_found = self.is_good & step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
-        line.is_odd |= !(self.is_scaled & (self.is_end | is_found));
+        line.is_odd |= !(self.is_tame & (self.is_end | is_found));
         // Where an end is the isovalue there is nothing to search.
         let end = wide.select_f64(self.is_low, wide.f64(-0.5), half);
         wide.select_f64(self.is_end, end, s)

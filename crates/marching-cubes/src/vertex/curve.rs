@@ -321,6 +321,23 @@ mod tests {
     }
 
     #[test]
+    fn a_power_of_two_changes_no_bit() {
+        let lines = [[-7.0, -5.5, -2.0, 1.25, 3.0, 9.5], [3.0, 1.0, -0.5, 4.0, 30.0, 31.0]];
+        for values in lines.iter().flat_map(|line| [&line[..], &line[1..5]]) {
+            let expected = found(values);
+            for exponent in [-1000, -300, -140, -61, -60, -1, 1, 59, 60, 120, 140, 500, 1000] {
+                let scaled: Vec<_> =
+                    values.iter().map(|value| value * 2_f64.powi(exponent)).collect();
+                assert_eq!(
+                    found(&scaled).to_bits(),
+                    expected.to_bits(),
+                    "2^{exponent}: {values:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn the_short_way_misses_few_of_smooth_lines_and_of_noise() {
         let mut state = 3_u64;
         let mut chance = || {

@@ -6,7 +6,7 @@ use isokit_lanes::{Coordinate, Curve, Edges, OneByOne, Vertices, curved_vertices
 use isokit_volume::{Dtype, Sample, line};
 
 /// The most samples on one line that a place depends on.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 
 impl<T: Sample> Placer<'_, T> {
     /// Places vertices on curves. A kernel does most; what it calls odd is done one by one.

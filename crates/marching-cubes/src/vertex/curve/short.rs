@@ -9,8 +9,14 @@
 //!
 //! From the other end the same numbers come out, with other signs.
 
+use crate::vertex::{curved::MOST, to_unit};
+use std::ops::Range;
+
 /// If the correction is so small, a root is found.
 const SMALL: f64 = 1.0 / (1_u64 << 21) as f64;
+
+/// The rises of which no f32 that counts overflows or loses a digit: 2⁻⁶⁰ to 2⁶⁰.
+const TAME: Range<f32> = 8.673_617_4e-19..1.152_921_5e18;
 
 /// Where the polynomial through two times `PAIRS` values crosses the edge in their middle; where it rings there,
 /// where the straight line does. None where that is not sure to be found.
@@ -18,17 +24,17 @@ pub(super) fn short<const PAIRS: usize>(values: &[f64]) -> Option<f64> {
     let low = |pair: usize| values[PAIRS - 1 - pair];
     let high = |pair: usize| values[PAIRS + pair];
     let (sum, rise) = (low(0) + high(0), high(0) - low(0));
-    let (mut even, mut odd) = parts::<PAIRS>(low, high);
     let narrow_rise = rise as f32;
+    if !TAME.contains(&narrow_rise.abs()) {
+        return tamed(values).and_then(|values| short::<PAIRS>(&values[..2 * PAIRS]));
+    }
+    let (mut even, mut odd) = parts::<PAIRS>(low, high);
     let scale = reciprocal::<3>(narrow_rise);
-    let is_scaled = (1.0 - narrow_rise * scale).abs() < 1.0 / 1024.0;
     let straight = sum as f32 * scale * -0.5;
     let scaled = |parts: [f64; 2]| parts.map(|part| part as f32 * scale);
-    let is_end = low(0) * high(0) >= 0.0;
-    if !is_scaled || is_end {
+    if low(0) * high(0) >= 0.0 {
         // At a sample that is the isovalue that is the sample.
-        let end = if straight < 0.0 { -0.5 } else { 0.5 };
-        return is_scaled.then_some(end);
+        return Some(if straight < 0.0 { -0.5 } else { 0.5 });
     }
     let mut narrow = Narrow::new::<PAIRS>(straight, scaled(even), scaled(odd));
     if !narrow.is_plain::<PAIRS>() {
@@ -47,6 +53,16 @@ pub(super) fn short<const PAIRS: usize>(values: &[f64]) -> Option<f64> {
     let step = value * factor;
     let s = s - step;
     (is_good && step.abs() < SMALL && s.abs() <= 0.5).then_some(s)
+}
+
+/// Values times the power of two by which their rise is tame; a field has the same surface at any scale, to the last
+/// bit. None if there is no such power.
+fn tamed(values: &[f64]) -> Option<[f64; MOST]> {
+    let middle = values.len() / 2;
+    let rise = (values[middle] - values[middle - 1]).abs();
+    let scale = to_unit(rise);
+    let is_tame = TAME.contains(&((rise * scale) as f32));
+    is_tame.then(|| std::array::from_fn(|n| values.get(n).map_or(0.0, |value| value * scale)))
 }
 
 /// What `Curve` has, times the rise.
