@@ -233,8 +233,8 @@ impl<'a, C: Coordinate> Vertices<'a, C> {
         let (mut places, mut states) = (self.places.to_vec(), vec![0; self.places.len()]);
         let chunks = places.par_chunks_mut(CHUNK).zip(states.par_chunks_mut(CHUNK));
         let chunks = chunks.zip(ways.par_chunks_mut(CHUNK)).enumerate();
-        let fill =
-            |(n, ((places, states), ways)): (usize, ((&mut [[C; 3]], &mut [u8]), &mut [f32]))| {
+        job.threads.run(|| {
+            chunks.try_for_each(|(n, ((places, states), ways))| {
                 job.check()?;
                 let each = places.iter_mut().zip(states).zip(&mut *ways);
                 for (v, ((place, state), way)) in (n * CHUNK..).zip(each) {
@@ -248,9 +248,9 @@ impl<'a, C: Coordinate> Vertices<'a, C> {
                     }
                 }
                 job.progress.advance(ways.len() as u64);
-                Ok(())
-            };
-        job.threads.run(|| chunks.try_for_each(fill))?;
+                Ok::<(), Cancelled>(())
+            })
+        })?;
         Ok(Moved { places, states, ways })
     }
 
