@@ -40,7 +40,7 @@ fn refined(
     surface: &SurfaceOptions,
     job: &Job,
 ) -> (TriMesh, Refined) {
-    let mut mesh = scan.mesh(iso, surface, job).unwrap();
+    let mut mesh = scan.mesh(iso, &surface.before(options), job).unwrap();
     let found = scan.refine(iso, &mut mesh, (options, surface), job).unwrap();
     (mesh, found)
 }
@@ -303,6 +303,38 @@ fn new_normals_are_those_of_the_field() {
 }
 
 #[test]
+fn positions_do_not_depend_on_the_normals_that_are_wanted() {
+    let (ball, noise) = (volumes::cube(&fields::sphere(0.7), 17), volumes::noise([7, 8, 6], 5));
+    let ties = AnyVolume::from(volumes::ties([7, 6, 8], 2, 5));
+    for scan in [Scan::new(ball), Scan::new(noise), Scan::new(ties)] {
+        for options in ways() {
+            let with = |normals| {
+                let surface = surface().with_normals(normals);
+                let (mesh, found) = refined(&scan, (0.0, &options), &surface, &Job::default());
+                assert_eq!(mesh.normals.is_some(), normals != Normals::None);
+                (mesh.positions, mesh.triangles, found)
+            };
+            let plain = with(Normals::Gradient);
+            assert!(with(Normals::None) == plain && with(Normals::Area) == plain, "{options:?}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_without_normals_is_balanced_along_those_of_the_field() {
+    for (name, field, volume) in shapes() {
+        let scan = Scan::new(volumes::cube(&field, 33));
+        let bare = surface().with_normals(Normals::None);
+        let mut mesh = scan.mesh(0.0, &bare, &Job::default()).unwrap();
+        let found = scan.refine(0.0, &mut mesh, (&BALANCE, &bare), &Job::default()).unwrap();
+        assert_eq!(found.unbalanced, 0, "{name}");
+        let with = errors(&of(&scan, &BALANCE), &field, volume);
+        let without = errors(&mesh, &field, volume);
+        assert!((without[0] / with[0] - 1.0).abs() < 0.01, "{name}: {without:?}, {with:?}");
+    }
+}
+
+#[test]
 fn what_means_nothing_is_refused() {
     let scan = Scan::new(AnyVolume::from(volumes::noise([5; 3], 1)));
     let mesh = scan.mesh(0.0, &surface(), &Job::default()).unwrap();
@@ -326,7 +358,7 @@ fn what_means_nothing_is_refused() {
 fn memory_that_is_not_allowed_is_not_taken_and_the_mesh_stays() {
     let scan = Scan::new(volumes::cube(&fields::sphere(0.7), 25));
     let whole = of(&scan, &levels(0));
-    let bytes = (whole.triangles.len() * 40) as u64;
+    let bytes = (whole.triangles.len() * 12) as u64;
     for options in [levels(1), BALANCE, max_error(1e-4)] {
         let (mut mesh, limits) = (whole.clone(), Limits { bytes });
         let job = Job { limits, ..Job::default() };

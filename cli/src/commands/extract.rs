@@ -128,7 +128,8 @@ fn meshes(
     timings: &mut Timings,
     session: &Session<'_, '_>,
 ) -> Result<(Vec<TriMesh>, Vec<Extracted>)> {
-    let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &plan.surface, meshes, &session.job);
+    let surface = plan.surface.before(&plan.refine);
+    let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &surface, meshes, &session.job);
     let fresh = || vec![TriMesh::default(); isos.len()];
     let (runs, is_warm) = match plan.repeat {
         Repeat::Once => (1, false),

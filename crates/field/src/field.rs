@@ -49,6 +49,11 @@ pub trait ScalarField: Sync {
     /// The value at a point.
     fn value(&self, ijk: [f64; 3]) -> f64;
 
+    /// Whether there is a value at a point.
+    fn is_known(&self, ijk: [f64; 3]) -> bool {
+        self.value(ijk).is_finite()
+    }
+
     /// The value and its gradient.
     fn slope(&self, ijk: [f64; 3]) -> Slope;
 

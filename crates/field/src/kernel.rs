@@ -24,9 +24,8 @@ impl Stencil {
     #[inline]
     pub(crate) fn at(x: f64, size: usize) -> Self {
         // What is no number falls into the first cell, and makes weights that are none.
-        let cell = x.floor().clamp(0.0, size.saturating_sub(2) as f64);
-        let weights = weights(x - cell - 0.5);
-        let cell = cell as usize;
+        let cell = cell(x, size);
+        let weights = weights(x - cell as f64 - 0.5);
         if cell >= 1 && cell + 2 < size {
             return Self { first: cell - 1, held: WIDTH, weights };
         }
@@ -36,8 +35,8 @@ impl Stencil {
     /// The same where the stencil leads over the border.
     #[cold]
     fn folded(cell: usize, size: usize, around: &[[f64; WIDTH]; 3]) -> Self {
-        let held = WIDTH.min(size);
-        let first = cell.saturating_sub(1).min(size - held);
+        let Range { start: first, end } = around_cell(cell, size);
+        let held = end - first;
         let mut weights = [[0.0; WIDTH]; 3];
         for own in 0..held {
             // How much of each sample around the place is this one.
@@ -56,6 +55,26 @@ impl Stencil {
     pub(crate) fn samples(&self) -> Range<usize> {
         self.first..self.first + self.held
     }
+}
+
+/// The samples of the stencil at the place `x` of a line of `size` samples, one or more.
+#[inline]
+pub(crate) fn samples(x: f64, size: usize) -> Range<usize> {
+    around_cell(cell(x, size), size)
+}
+
+/// The cell that a place is in, or nearest to. What is no number is in the first.
+#[inline]
+fn cell(x: f64, size: usize) -> usize {
+    (x as usize).min(size.saturating_sub(2))
+}
+
+/// The samples of the stencil of a cell.
+#[inline]
+fn around_cell(cell: usize, size: usize) -> Range<usize> {
+    let held = WIDTH.min(size);
+    let first = cell.saturating_sub(1).min(size - held);
+    first..first + held
 }
 
 /// The weights of four samples at `s` from the middle of the inner two, of each derivative (Lagrange).

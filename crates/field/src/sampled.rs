@@ -12,10 +12,10 @@
 
 use crate::{
     Jet, ScalarField, Slope,
-    kernel::{Stencil, WIDTH},
+    kernel::{Stencil, WIDTH, samples},
 };
 use isokit_geom::Affine;
-use isokit_volume::{Sample, View};
+use isokit_volume::{Dtype, Sample, View};
 
 /// The cubic function through the samples of a volume.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +98,25 @@ impl<T: Sample> ScalarField for Sampled<'_, T> {
         self.view.scaling().value(value)
     }
 
+    fn is_known(&self, ijk: [f64; 3]) -> bool {
+        let is_place = ijk.iter().all(|c| c.is_finite());
+        if !matches!(T::DTYPE, Dtype::F32 | Dtype::F64) {
+            return is_place;
+        }
+        let ([i, j, k], [nx, ny, nz]) = (ijk, self.view.dims());
+        let (x, y, z) = (samples(i, nx), samples(j, ny), samples(k, nz));
+        let is_finite = |sample: T| sample.to_f64().is_finite();
+        let fours = |n: usize| self.view.four([x.start, y.start + n % WIDTH, z.start + n / WIDTH]);
+        if [&x, &y, &z].iter().all(|line| line.len() == WIDTH) && fours(0).is_some() {
+            // All are asked, side by side.
+            let known = |row: &[T; WIDTH]| row.iter().fold(true, |all, &s| all & is_finite(s));
+            return (0..WIDTH * WIDTH).fold(is_place, |all, n| all & fours(n).is_some_and(known));
+        }
+        let rows = z.flat_map(|k| y.clone().map(move |j| [j, k]));
+        let mut places = rows.flat_map(|[j, k]| x.clone().map(move |i| [i, j, k]));
+        is_place && places.all(|place| is_finite(self.view.stored(place)))
+    }
+
     fn slope(&self, ijk: [f64; 3]) -> Slope {
         let scaling = self.view.scaling();
         let [value, x, y, z] = self.sums::<2, 4>(ijk, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]);
@@ -142,6 +161,22 @@ mod tests {
                 share * (dims[axis] as f64 - 0.5) - 0.25
             })
         })
+    }
+
+    #[test]
+    fn a_value_is_known_where_it_is_finite() {
+        for dims in [[9, 7, 8], [3, 6, 5], [2, 1, 4]] {
+            let holes = |[x, y, z]: [f64; 3]| match (31.0 * x + 7.0 * y + 3.0 * z) % 89.0 {
+                0.0..3.0 => f64::INFINITY.copysign(x - y),
+                3.0..6.0 => f64::NAN,
+                rest => rest,
+            };
+            let holes = volume(dims, holes);
+            let field = Sampled::new(holes.view());
+            for ijk in places(dims) {
+                assert_eq!(field.is_known(ijk), field.value(ijk).is_finite(), "{dims:?}, {ijk:?}");
+            }
+        }
     }
 
     #[test]

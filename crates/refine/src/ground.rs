@@ -64,6 +64,10 @@ pub(crate) struct Ground<'a> {
     last: Vector,
     /// How far a position may be off because it was rounded, in samples.
     rounding: f64,
+    /// What no world vector is shorter than that is a sample long.
+    least_stretch: f64,
+    /// See [`unit`](Self::unit).
+    unit: f64,
 }
 
 impl<'a> Ground<'a> {
@@ -81,11 +85,26 @@ impl<'a> Ground<'a> {
             Precision::F64 => reach.next_up() - reach,
         };
         // A vertex beyond the border is there by four steps or more; one on it is off by less than one.
-        let rounding = 2.0 * step / affine.least_stretch();
+        let least_stretch = affine.least_stretch();
+        let rounding = 2.0 * step / least_stretch;
         let covectors = affine.covector_columns();
-        Self { surface, affine, covectors, last, rounding }
+        let longest = |ijk: Vector| affine.vector(ijk).iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let sides = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(longest);
+        let exponent = sides.iter().fold(0.0_f64, |most, side| most.max(*side)).log2().floor();
+        let most = match precision {
+            Precision::F32 => 120.0, // its inverse is a number in f32 too
+            Precision::F64 => 1000.0,
+        };
+        let unit = exponent.clamp(-most, most).exp2();
+        Self { surface, affine, covectors, last, rounding, least_stretch, unit }
     }
 
+    /// A power of two that is about as long as a cell.
+    pub(crate) fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    #[inline]
     pub(crate) fn spot(&self, xyz: Vector) -> Spot {
         let from = sub(xyz, self.affine.origin());
         let ijk = self.covectors.map(|row| dot(row, from));
@@ -99,9 +118,20 @@ impl<'a> Ground<'a> {
     }
 
     /// Whether a point is on no side of a border that it is not held to, not even by rounding.
+    #[inline]
     pub(crate) fn is_within(&self, xyz: Vector, held: [bool; 3]) -> bool {
         let ijk = self.spot(xyz).ijk;
         (0..3).all(|k| held[k] || (0.0..=self.last[k]).contains(&ijk[k]))
+    }
+
+    /// Whether it is a sample or more from every border.
+    pub(crate) fn is_inner(&self, spot: &Spot) -> bool {
+        (0..3).all(|k| (1.0..=self.last[k] - 1.0).contains(&spot.ijk[k]))
+    }
+
+    /// Whether a way in the world is no longer than from one sample to the next.
+    pub(crate) fn is_short(&self, way: f64) -> bool {
+        way.abs() <= self.least_stretch
     }
 
     /// The field.
@@ -130,6 +160,15 @@ impl<'a> Ground<'a> {
         }
         let [x, y, z] = [0, 1, 2].map(|k| self.covectors[k].map(|c| c * (gradient[k] / greatest)));
         let whole: Vector = std::array::from_fn(|k| x[k] + y[k] + z[k]);
+        let rest = self.within_borders(whole, held);
+        let length = dot(rest, rest).sqrt();
+        let is_direction = length > NOISE * dot(whole, whole).sqrt() && length.is_finite();
+        let direction = rest.map(|c| c / length);
+        is_direction.then_some(Ascent { direction, steepness: length * greatest })
+    }
+
+    /// What is left of a vector in the world along the borders that are held.
+    pub(crate) fn within_borders(&self, whole: Vector, held: [bool; 3]) -> Vector {
         let (mut rest, mut walls) = (whole, vec![]);
         for axis in (0..3).filter(|&axis| held[axis]) {
             let mut wall = self.covectors[axis];
@@ -139,10 +178,7 @@ impl<'a> Ground<'a> {
             rest = without(rest, wall);
             walls.push(wall);
         }
-        let length = dot(rest, rest).sqrt();
-        let is_direction = length > NOISE * dot(whole, whole).sqrt() && length.is_finite();
-        let direction = rest.map(|c| c / length);
-        is_direction.then_some(Ascent { direction, steepness: length * greatest })
+        rest
     }
 
     /// The point of the surface along its gradient from `start`, not farther than `reach` in the world and

@@ -37,16 +37,17 @@ pub struct Refined {
     pub unbounded: u64,
     /// Vertices that balance moved along their normals.
     pub balanced: u64,
-    /// Vertices that it did not, because the field has no normal there or a triangle would have become
-    /// flat or turned over; those of caps are not among them.
+    /// Vertices that it did not, because there is no normal or the field has no value there, or because a
+    /// triangle would have become flat or turned over; those of caps are not among them.
     pub unbalanced: u64,
 }
 
 /// Brings a mesh nearer to the surface that it stands for. Its vertices should be on it, as
 /// `Placement::Cubic` puts them; where they are not, they stay, and their neighbours are better than they.
 ///
-/// New vertices get the normals of the field, if the mesh has normals. A mesh without triangles is left
-/// alone.
+/// Normals, if the mesh has some, are outward unit vectors of the surface. New vertices get those of the field,
+/// and balance moves all vertices along what they have; a mesh without normals is balanced along those of the
+/// field, which takes several times as long. A mesh without triangles is left alone.
 ///
 /// Beside the mesh, and the new one, some 200 bytes per triangle are in use meanwhile.
 ///

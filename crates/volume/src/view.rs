@@ -201,6 +201,24 @@ impl<'a, T: Sample> View<'a, T> {
         self.scaling.value(self.stored(ijk).to_f64())
     }
 
+    /// The stored samples at four lattice points along x from one on, if they are neighbours in memory.
+    ///
+    /// # Panics
+    ///
+    /// If there are no such lattice points.
+    #[inline(always)]
+    pub fn four(&self, ijk: [usize; 3]) -> Option<&'a [T; 4]> {
+        debug_assert!(
+            (0..3).all(|axis| ijk[axis] + [3, 0, 0][axis] < self.dims[axis]),
+            "{ijk:?} {:?}",
+            self.dims
+        );
+        match self.strides[0] {
+            1 => self.samples[self.place(ijk)..].first_chunk(),
+            _ => None,
+        }
+    }
+
     /// The stored samples at the corners of the cell whose lowest corner is a lattice point: corner `c` is as
     /// far on along x, y, z as the bits of `c` say.
     ///
@@ -275,6 +293,19 @@ mod tests {
         assert_eq!(turned.row(2, 1).gather(&mut vec![]), [18, 12, 6, 0]);
         assert_eq!(turned.row(2, 1).part(1..3).gather(&mut vec![]), [12, 6]);
         assert_eq!(plain.row(0, 0).part(1..2).gather(&mut vec![]), [1]);
+    }
+
+    #[test]
+    fn four_in_line_are_those_of_the_row_where_they_are_neighbours() {
+        let samples: Vec<u8> = (0..60).collect();
+        let plain = View::new(&samples, &grid([5, 4, 3])).unwrap();
+        assert_eq!(plain.four([1, 2, 1]), Some(&[31, 32, 33, 34]));
+        assert_eq!(
+            plain.part([1..5, 1..3, 0..3]).unwrap().four([0, 1, 2]),
+            Some(&[51, 52, 53, 54])
+        );
+        let turned = View::strided(&samples, 59, [-1, -5, -20], &grid([5, 4, 3])).unwrap();
+        assert_eq!(turned.four([1, 2, 1]), None);
     }
 
     #[test]

@@ -9,8 +9,9 @@ use isokit_refine::{Isosurface, RefineError, RefineOptions, Refined, refine};
 use isokit_volume::for_any;
 
 impl Scan {
-    /// Brings the surface where the value is `iso`, as [`mesh`](Self::mesh) made it with these options, nearer to
-    /// the cubic field through the samples: between vertices, in area and in volume.
+    /// Brings the surface where the value is `iso`, as [`mesh`](Self::mesh) made it with
+    /// [`surface.before(options)`](SurfaceOptions::before), nearer to the cubic field through the samples: between
+    /// vertices, in area and in volume. In the end it has the normals that `surface` asks for.
     ///
     /// Vertices that are there stay or are balanced where they are, so they should be of
     /// [`Placement::Cubic`](isokit_marching_cubes::Placement::Cubic) or better.
@@ -35,15 +36,17 @@ impl Scan {
             let says = "a surface whose triangles may have no area: Degenerate::Exact made it";
             return Err(RefineError::Options(says).into());
         }
-        if surface.normals == Normals::Area {
-            mesh.normals = None;
+        if surface.normals == Normals::Area && !options.balance {
+            mesh.normals = None; // new ones are made in any case
         }
         let refined = for_any!(self.volume(), volume => {
             let field = Sampled::new(self.view(volume));
             refine(mesh, &Isosurface { field: &field, iso }, options, job)
         })?;
-        if surface.normals == Normals::Area {
-            area_normals(mesh, job)?;
+        match surface.normals {
+            Normals::Gradient => {}
+            Normals::Area => area_normals(mesh, job)?,
+            Normals::None => mesh.normals = None,
         }
         Ok(refined)
     }

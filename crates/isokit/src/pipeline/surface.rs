@@ -1,6 +1,7 @@
 //! How a mesh is to be made.
 
 use isokit_marching_cubes::ExtractOptions;
+use isokit_refine::RefineOptions;
 
 /// Which normals the vertices get.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,5 +35,13 @@ impl SurfaceOptions {
     /// The same options with other `normals`.
     pub fn with_normals(self, normals: Normals) -> Self {
         Self { normals, ..self }
+    }
+
+    /// The options for a surface that [`Scan::refine`](crate::pipeline::Scan::refine) then gets, with these:
+    /// where it is balanced, with gradient normals, along which its vertices are moved. So positions do not
+    /// depend on which normals are wanted in the end.
+    pub fn before(&self, refine: &RefineOptions) -> Self {
+        let normals = if refine.balance { Normals::Gradient } else { self.normals };
+        self.clone().with_normals(normals)
     }
 }
