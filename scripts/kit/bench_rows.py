@@ -57,11 +57,13 @@ def synthetic(bench: Bench, store: Store) -> None:
 
 
 def defaults(bench: Bench, store: Store) -> None:
-    """What who changes no option gets: a closed border; and NaN an error, as the program has it."""
+    """What who changes no option gets: a closed border, and what the trilinear interpolant connects; and
+    NaN an error, as the program has it.
+    """
     for volume in fields(bench, store):
         with bench.workers():
             plain = extract(volume)
-            closed = plain | {"boundary": "closed"}
+            closed = plain | {"boundary": "closed", "topology": "trilinear"}
             entries = [
                 Entry("isokit", volume, closed),
                 Entry("isokit", volume, closed | {"nan": "error"}),

@@ -93,7 +93,8 @@ impl Rows<'_> {
 /// Numbers of bits in the words of four rows, at y, z = 00, 10, 01, 11. A row has one word more than there are
 /// words of cells.
 trait Sums: Sized {
-    /// The one loop for all levels, which the compiler makes as wide as it may.
+    /// The one loop for all levels, which the compiler makes as wide as it may. It has no closures: those are not
+    /// always inlined, and then it checks every index.
     fn of(rows: [&[u64]; 4], cells: &[u64]) -> Self;
 
     fn at(level: Level, rows: [&[u64]; 4], cells: &[u64]) -> Self {
@@ -145,9 +146,9 @@ impl Sums for InSlice {
     #[inline(always)]
     fn of([a, b, ..]: [&[u64]; 4], cells: &[u64]) -> Self {
         let (n, mut sums) = (cells.len(), Self::default());
-        let [own, next] = [[&a[..n], &b[..n]], [&a[1..=n], &b[1..=n]]];
+        let (a, a1, b, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
         for i in 0..n {
-            let ([a, a1], [b, b1]) = (along_x(own[0], next[0], i), along_x(own[1], next[1], i));
+            let ([a, a1], [b, b1]) = (along_x(a[i], a1[i]), along_x(b[i], b1[i]));
             let cells = cells[i];
             let (differ, both) = ((a ^ a1) & cells, a & a1 & cells);
             let differing = u64::from(differ.count_ones());
@@ -175,12 +176,13 @@ struct InCells {
 
 impl Sums for InCells {
     #[inline(always)]
-    fn of(rows: [&[u64]; 4], cells: &[u64]) -> Self {
+    fn of([a, b, c, d]: [&[u64]; 4], cells: &[u64]) -> Self {
         let (n, mut sums) = (cells.len(), Self::default());
-        let [own, next] = [rows.map(|row| &row[..n]), rows.map(|row| &row[1..=n])];
+        let (a, a1, b, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
+        let (c, c1, d, d1) = (&c[..n], &c[1..=n], &d[..n], &d[1..=n]);
         for i in 0..n {
-            let ([a, a1], [b, b1]) = (along_x(own[0], next[0], i), along_x(own[1], next[1], i));
-            let ([c, c1], [d, d1]) = (along_x(own[2], next[2], i), along_x(own[3], next[3], i));
+            let ([a, a1], [b, b1]) = (along_x(a[i], a1[i]), along_x(b[i], b1[i]));
+            let ([c, c1], [d, d1]) = (along_x(c[i], c1[i]), along_x(d[i], d1[i]));
             let cells = cells[i];
             let across_x = (a & b & c & d) ^ (a1 & b1 & c1 & d1);
             let on_one = (a ^ a1) & (a ^ d) & (d ^ d1) & (b & b1 & c & c1);
@@ -194,10 +196,10 @@ impl Sums for InCells {
     }
 }
 
-/// Word `i` of a row, and the same of the points that follow along x.
+/// A word of a row, which another follows, and the same of the points that follow along x.
 #[inline(always)]
-fn along_x(row: &[u64], next: &[u64], i: usize) -> [u64; 2] {
-    [row[i], row[i] >> 1 | next[i] << 63]
+fn along_x(word: u64, next: u64) -> [u64; 2] {
+    [word, word >> 1 | next << 63]
 }
 
 #[cfg(test)]

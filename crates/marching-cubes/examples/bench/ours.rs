@@ -83,6 +83,7 @@ impl<T: Sample> Isokit<T> {
     fn count(&mut self, isos: &[f64], threads: usize) -> Result<Answer, Failure> {
         let job = self.job(threads)?;
         let options = ExtractOptions::DEFAULT.with_boundary(mc::Boundary::Open);
+        let options = options.with_topology(mc::Topology::Table);
         let (answer, counts) = timed(|| count_many(&self.volume.view(), isos, &options, &job));
         let sum = counts?.iter().fold(Counts::default(), |sum, one| Counts {
             vertices: sum.vertices + one.vertices,
