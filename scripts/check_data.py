@@ -96,7 +96,7 @@ def reference_checks(isokit: Isokit, data: Path, folder: Path, line: Reference) 
     common = ("--iso", f"{line.iso:g}", *manifest.raw_options(line.path))
     try:
         bare = folder / f"{stem}_open.ply"
-        table_options = ("--boundary", "open", "--degenerate", "exact")
+        table_options = ("--topology", "table", "--boundary", "open", "--degenerate", "exact")
         report = isokit.extract(data / line.path, bare, *common, *table_options)
         check_table(record, subject, line, bare, report["surfaces"][0])
         bare.unlink()

@@ -53,7 +53,7 @@ class Mode:
         return fixed + sliced + [part for n in named for part in (f"--{n}", getattr(self, n))]
 
 
-LISTED = replace(Mode(), threads="2", simd="")
+LISTED = replace(Mode(), topology="trilinear", threads="2", simd="")
 """The mode for volumes of the listed size: the program's own choices."""
 
 
