@@ -7,10 +7,8 @@
 //! Most triangles are large beside the ways of their corners, and nothing can turn those over. The others
 //! are looked at, and corners go back until none is spoiled.
 //!
-//! A ball of 37 000 vertices takes 95 ns a vertex on one core, 30 of which ask whether the field has a value
-//! (`examples/bench_error` of `isokit`, 128³ samples of f32; x86-64 Xeon, November 2026). What lost: the
-//! gradient of the field in place of normals that are there, 110 ns more; sums by the neighbours of each
-//! vertex, 80 ns to find those, and 19 ns a step in place of 4.
+//! Tried and slower: the gradient of the field in place of normals that are there, and sums by lists of the
+//! neighbours of each vertex.
 
 mod system;
 

@@ -1,8 +1,8 @@
 //! The roots of cubics and quintics, 16 at a time.
 //!
 //! `vertex/curve/short.rs` of `marching-cubes` has the definition, for one, with the same operations in the same
-//! order, so that the bits are the same, and says why. The roots that this way does not find, a few in ten
-//! thousand, are left to the caller.
+//! order, so that the bits are the same, and says why. The roots that this way does not find, fewer than
+//! one in a thousand, are left to the caller.
 //!
 //! Each operation needs what the one before gives. So the way is taken in stages, each by several batches in turn:
 //! a stage is short enough for the machine to work at some batches at once.

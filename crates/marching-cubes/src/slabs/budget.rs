@@ -106,16 +106,18 @@ mod tests {
 
     #[test]
     fn window_and_pieces_stay_within_the_budget() {
-        let options = &ExtractOptions::DEFAULT;
         let grid = Grid::new([700, 500, 300], Default::default()).unwrap();
-        let per_slice = bytes_per_slice(&grid, Dtype::F32, 2, options).unwrap();
-        for bytes in (40..1000).map(|n| n << 20) {
-            let budget = Budget::within(bytes, (&grid, Dtype::F32), (2, 1), options).unwrap();
-            let window = budget.window as u64 * per_slice;
-            assert!(
-                budget.window >= options.placement.least_window()
-                    && window + 2 * budget.piece_bytes <= bytes
-            );
+        for (topology, least) in [(Topology::Table, 10), (Topology::Trilinear, 40)] {
+            let options = &ExtractOptions::DEFAULT.with_topology(topology);
+            let per_slice = bytes_per_slice(&grid, Dtype::F32, 2, options).unwrap();
+            for bytes in (least..1000).map(|n| n << 20) {
+                let budget = Budget::within(bytes, (&grid, Dtype::F32), (2, 1), options).unwrap();
+                let window = budget.window as u64 * per_slice;
+                assert!(
+                    budget.window >= options.placement.least_window()
+                        && window + 2 * budget.piece_bytes <= bytes
+                );
+            }
         }
     }
 

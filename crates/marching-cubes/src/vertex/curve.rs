@@ -10,7 +10,7 @@
 //! where A comes from the even parts of the samples and B from the odd ones, both by Newton's divided
 //! differences in u. So the ends are kept exactly: F has there the signs that the samples have, and a
 //! root is between them. Samples on a straight line give A = B = 0 and the crossing of linear
-//! interpolation, to the last bit. From the other end s and A change their signs and nothing else, and so
+//! interpolation, to 10⁻¹³ of the edge. From the other end s and A change their signs and nothing else, and so
 //! does the root, bit for bit.
 //!
 //! Between samples of noise or of a step a polynomial rings: it turns, and bends back. It is taken only

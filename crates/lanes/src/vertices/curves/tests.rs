@@ -31,24 +31,11 @@ fn placed<T: Lane>(level: Level, samples: &Samples<'_, T>, curve: Curve, edges: 
     let count = edges.len();
     let (mut positions, mut rounded) = (vec![[0.0_f64; 3]; count], vec![[0.0_f32; 3]; count]);
     let (mut normals, mut odd, mut same) = (vec![[0.0; 3]; count], vec![], vec![]);
+    let (samples, told) = ((samples, &FIELD), Told(|_, _: &mut [f64]| false));
     let out = Vertices { positions: &mut rounded, normals: None, odd: &mut same };
-    curved_vertices_at(
-        level,
-        (samples, &FIELD),
-        curve,
-        edges,
-        &Told(|_, _: &mut [f64]| false),
-        out,
-    );
+    curved_vertices_at(level, samples, curve, edges, &told, out);
     let out = Vertices { positions: &mut positions, normals: Some(&mut normals), odd: &mut odd };
-    curved_vertices_at(
-        level,
-        (samples, &FIELD),
-        curve,
-        edges,
-        &Told(|_, _: &mut [f64]| false),
-        out,
-    );
+    curved_vertices_at(level, samples, curve, edges, &told, out);
     assert_eq!(odd, same);
     let bits = |n: usize| {
         let mut bits = vec![];

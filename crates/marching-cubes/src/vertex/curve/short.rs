@@ -5,7 +5,7 @@
 //! begins with a guess from the bits and doubles its digits a few times; there its root is found but for what f32
 //! rounds, and in f64 it is corrected by what the polynomial of the values themselves is there, over a slope in
 //! f32. That leaves as much of the error as the slope is wrong, a few millionths. That the correction is small says
-//! that all went well; it is not for a few of ten thousand, near to where a polynomial is flat at its root.
+//! that all went well; it is not for fewer than one in a thousand, near to where a polynomial is flat at its root.
 //!
 //! From the other end the same numbers come out, with other signs.
 
