@@ -23,6 +23,7 @@ impl Level {
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
     /// The levels that this machine can run, least first.
+    #[inline]
     pub fn available() -> &'static [Self] {
         static AVAILABLE: OnceLock<Vec<Level>> = OnceLock::new();
         AVAILABLE.get_or_init(|| {
@@ -47,6 +48,7 @@ impl Level {
     /// The level that every loop of this process uses: the greatest there is, or the one that
     /// `ISOKIT_SIMD` names, where the machine has it. What else stands there is ignored;
     /// [`asked_for`](Self::asked_for) tells.
+    #[inline]
     pub fn current() -> Self {
         static CURRENT: OnceLock<Level> = OnceLock::new();
         *CURRENT.get_or_init(|| {

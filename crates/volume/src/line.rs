@@ -28,33 +28,28 @@ pub fn values(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) 
 #[cold]
 fn continued(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
     let held = out.len().min(size);
-    let base = first.clamp(0, (size - held) as isize) as usize;
-    // The samples nearest to the stencil, which hold all of it that the line has.
-    let mut near = [0.0; MOST];
-    for (n, near) in near[..held].iter_mut().enumerate() {
-        *near = value(base + n);
+    // The samples nearest to the stencil, which hold all of it that the line has, and the stencil.
+    let base = first.clamp(0, (size - held) as isize);
+    let start = first.min(base);
+    let mut line = [0.0; 2 * MOST];
+    let (low, own) = ((base - start) as usize, (first - start) as usize);
+    let (high, end) = (low + held, own + out.len());
+    for (n, value_there) in line[low..high].iter_mut().enumerate() {
+        *value_there = value(base as usize + n);
     }
-    let near = &mut near[..held];
-    let (below, within) = (out.len().min(first.min(0).unsigned_abs()), first.max(0) as usize);
-    let above = (size - within).min(out.len() - below) + below;
-    out[below..above].copy_from_slice(&near[within - base..][..above - below]);
-    near.reverse();
-    let mut ahead = [0.0; MOST];
-    let ahead = &mut ahead[..held];
-    ahead.copy_from_slice(near);
-    out[above..].iter_mut().for_each(|out| *out = before(ahead));
-    near.reverse();
-    out[..below].iter_mut().rev().for_each(|out| *out = before(near));
+    for n in (0..low).rev() {
+        line[n] = before(&BEFORE[held], line[n + 1..=n + held].iter());
+    }
+    for n in high..end {
+        line[n] = before(&BEFORE[held], line[n - held..n].iter().rev());
+    }
+    out.copy_from_slice(&line[own..end]);
 }
 
-/// The value one step before the first of the polynomial through some; it takes its place there, and the
-/// last is forgotten.
-fn before(near: &mut [f64]) -> f64 {
-    let factors = &BEFORE[near.len()];
-    let sum = near.iter().zip(factors).fold(0.0, |sum, (value, factor)| sum + factor * value);
-    near.rotate_right(1);
-    near[0] = sum;
-    sum
+/// The value one step before the first of the polynomial through some, be they samples or told so themselves.
+#[inline(always)]
+fn before<'v>(factors: &[f64; MOST], values: impl Iterator<Item = &'v f64>) -> f64 {
+    factors.iter().zip(values).fold(0.0, |sum, (factor, value)| sum + factor * value)
 }
 
 /// For each number of values the factors of all of them in the value before the first: the difference of as high

@@ -91,7 +91,8 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let (first, count) = (turn * TURN * BATCH, positions.len());
         let batches = count.div_ceil(BATCH);
         run_at(level, Loading { kernel: &kernel, first, pairs, lines: &mut lines[..batches] });
-        for (number, line) in lines[..batches].iter_mut().enumerate() {
+        let with_odd = |(_, line): &(usize, &mut Line)| line.is_odd != 0;
+        for (number, line) in lines[..batches].iter_mut().enumerate().filter(with_odd) {
             let at = number * BATCH;
             for n in set_bits(line.is_odd, count - at) {
                 let values = &mut [0.0; MOST][..2 * pairs];
@@ -106,7 +107,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         run_at(level, Roots { lines: held, searches, pairs, reach: field.reach });
         let lines = &lines[..batches];
         run_at(level, Placing { field, edges, first, lines, positions });
-        for (number, line) in lines.iter().enumerate() {
+        for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.is_odd != 0) {
             let at = first + number * BATCH;
             odd.extend(set_bits(line.is_odd, edges.len() - at).map(|n| (at + n) as u32));
         }

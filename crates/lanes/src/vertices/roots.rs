@@ -45,11 +45,10 @@ impl Roots<'_> {
             search.begin::<W, PAIRS>(wide, line);
         }
         for search in self.searches[..self.lines.len()].iter_mut() {
-            search.step::<W, PAIRS, 1>(wide);
+            search.step::<W, PAIRS>(wide);
         }
         for search in self.searches[..self.lines.len()].iter_mut() {
-            search.step::<W, PAIRS, 2>(wide);
-            search.end::<W, PAIRS>(wide);
+            search.last_step::<W, PAIRS>(wide);
         }
         let (least, most) = (wide.f64(-self.reach), wide.f64(self.reach));
         for (line, search) in self.lines.iter_mut().zip(self.searches.iter()) {
@@ -119,7 +118,7 @@ impl Search {
             parts[3] = b_u * wide.f64(1.0 / 12.0);
         }
         let narrow_rise = wide.f64_to_f32(rise);
-        let scale = reciprocal::<W, 3>(wide, narrow_rise);
+        let scale = wide.f32(1.0) / narrow_rise;
         let size = narrow_rise.abs();
         self.is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
         let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
@@ -153,27 +152,26 @@ impl Search {
         Curves { fall: wide.load_f32(&self.fall), c }
     }
 
-    /// A step of Halley's, in which a reciprocal is made in so many.
+    /// A step of Halley's. By how much of the value it went is given back.
     #[inline(always)]
-    fn step<W: Wide, const PAIRS: usize, const OF_RECIPROCAL: usize>(&mut self, wide: W) {
+    fn step<W: Wide, const PAIRS: usize>(&mut self, wide: W) -> W::F32 {
         let s = wide.load_f32(&self.s);
         let [value, slope, bend] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
-        let pull = slope * slope - value * bend;
-        let factor = slope * reciprocal::<W, OF_RECIPROCAL>(wide, pull);
+        let factor = slope / (slope * slope - value * bend);
         wide.store_f32(s - value * factor, &mut self.s);
-        wide.store_f32(factor, &mut self.factor);
+        factor
     }
 
-    /// One over the slope at the place where the steps end.
+    /// Another, and one over the slope where it ends.
     #[inline(always)]
-    fn end<W: Wide, const PAIRS: usize>(&mut self, wide: W) {
-        let (s, factor) = (wide.load_f32(&self.s), wide.load_f32(&self.factor));
+    fn last_step<W: Wide, const PAIRS: usize>(&mut self, wide: W) {
+        let factor = self.step::<W, PAIRS>(wide);
+        let s = wide.load_f32(&self.s);
         let [_, slope, _] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
-        let (product, two) = (slope * factor, wide.f32(2.0));
-        let is_near = (wide.f32(1.0) - product).abs().less(wide.f32(1.0 / 32.0));
+        let one = wide.f32(1.0);
+        let is_near = (one - slope * factor).abs().less(wide.f32(1.0 / 32.0));
         self.is_good = wide.f32(0.0).less(slope) & is_near;
-        let factor = factor * (two - product);
-        wide.store_f32(factor * (two - slope * factor), &mut self.factor);
+        wide.store_f32(one / slope, &mut self.factor);
     }
 
     /// The roots. Those that have yet to be found are called odd.
@@ -281,8 +279,7 @@ impl<W: Wide> Curves<W> {
             first = first + wide.f32(0.0390625) * c5;
         }
         let square = (first * first + wide.f32(4.0) * second * fall).max(wide.f32(0.0));
-        let root = square * reciprocal_root(wide, square);
-        (fall + fall) * reciprocal::<W, 1>(wide, first + root)
+        (fall + fall) / (first + square.sqrt())
     }
 
     /// Values, slopes, and halves of second derivatives, by Horner's rule.
@@ -303,21 +300,4 @@ impl<W: Wide> Curves<W> {
         let (b1, d1, e1) = (b2 * s + c1, d2 * s + b2, e2 * s + d2);
         [b1 * s - fall, d1 * s + b1, e1 * s + d1]
     }
-}
-
-/// One over numbers; each step squares what a guess is wrong.
-#[inline(always)]
-fn reciprocal<W: Wide, const STEPS: usize>(wide: W, x: W::F32) -> W::F32 {
-    let (mut y, two) = (wide.guess_reciprocal(x), wide.f32(2.0));
-    for _ in 0..STEPS {
-        y = y * (two - x * y);
-    }
-    y
-}
-
-/// One over the roots of numbers, right to two thousandths.
-#[inline(always)]
-fn reciprocal_root<W: Wide>(wide: W, x: W::F32) -> W::F32 {
-    let y = wide.guess_reciprocal_root(x);
-    y * (wide.f32(1.5) - wide.f32(0.5) * x * (y * y))
 }

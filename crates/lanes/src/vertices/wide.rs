@@ -17,12 +17,6 @@ use std::ops::{Add, Div, Mul, Sub};
 /// Numbers in a batch: one register of f32 at the widest, two of f64.
 pub(super) const BATCH: usize = 16;
 
-/// Less the bits of a number, those of about one over it.
-const RECIPROCAL: u32 = 0x7EF3_11C7;
-
-/// Less half of the bits of a number, those of about one over its root (Lomont 2003, "Fast inverse square root").
-const RECIPROCAL_ROOT: u32 = 0x5F37_59DF;
-
 /// Work that is written once and compiled for every level.
 pub(super) trait Task {
     fn run<W: Wide>(self, wide: W);
@@ -115,12 +109,6 @@ pub trait Wide: Copy {
 
     /// The power of two by which a number becomes one from 1 to 2; for numbers in [`TAME`](super::TAME).
     fn to_unit(self, numbers: Self::F32) -> Self::F32;
-
-    /// One over a number, right to an eighth: a guess by the bits.
-    fn guess_reciprocal(self, numbers: Self::F32) -> Self::F32;
-
-    /// One over the root of a number, right to a twentieth: a guess by the bits.
-    fn guess_reciprocal_root(self, numbers: Self::F32) -> Self::F32;
 
     /// The samples of the numbers `from + at[n]`, where `at` counts up and down.
     ///

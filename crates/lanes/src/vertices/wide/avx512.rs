@@ -2,7 +2,7 @@
 
 mod registers;
 
-use super::{BATCH, Exact, RECIPROCAL, RECIPROCAL_ROOT, Wide};
+use super::{BATCH, Exact, Wide};
 use crate::{Lane, Samples};
 use registers::{F32, F64, U32};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
@@ -162,26 +162,6 @@ impl Wide for Avx512 {
                 _mm512_and_si512(_mm512_castps_si512(numbers.0), _mm512_set1_epi32(0x7F80_0000));
             let opposite = _mm512_sub_epi32(_mm512_set1_epi32(0x7F00_0000), exponents);
             F32(_mm512_castsi512_ps(opposite))
-        }
-    }
-
-    #[inline(always)]
-    fn guess_reciprocal(self, numbers: F32) -> F32 {
-        // SAFETY: there is a token.
-        unsafe {
-            let bits = _mm512_castps_si512(numbers.0);
-            let guess = _mm512_sub_epi32(_mm512_set1_epi32(RECIPROCAL as i32), bits);
-            F32(_mm512_castsi512_ps(guess))
-        }
-    }
-
-    #[inline(always)]
-    fn guess_reciprocal_root(self, numbers: F32) -> F32 {
-        // SAFETY: there is a token.
-        unsafe {
-            let half = _mm512_srli_epi32::<1>(_mm512_castps_si512(numbers.0));
-            let guess = _mm512_sub_epi32(_mm512_set1_epi32(RECIPROCAL_ROOT as i32), half);
-            F32(_mm512_castsi512_ps(guess))
         }
     }
 

@@ -1,6 +1,6 @@
 //! Sixteen numbers as an array.
 
-use super::{BATCH, Exact, Float, RECIPROCAL, RECIPROCAL_ROOT, Wide};
+use super::{BATCH, Exact, Float, Wide};
 use crate::{Lane, Samples};
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -188,16 +188,6 @@ impl Wide for Plain {
         Array(
             each!(n => f32::from_bits(0x7F00_0000_u32.wrapping_sub(numbers.0[n].to_bits() & 0x7F80_0000))),
         )
-    }
-
-    #[inline(always)]
-    fn guess_reciprocal(self, numbers: Array<f32>) -> Array<f32> {
-        Array(each!(n => f32::from_bits(RECIPROCAL.wrapping_sub(numbers.0[n].to_bits()))))
-    }
-
-    #[inline(always)]
-    fn guess_reciprocal_root(self, numbers: Array<f32>) -> Array<f32> {
-        Array(each!(n => f32::from_bits(RECIPROCAL_ROOT.wrapping_sub(numbers.0[n].to_bits() >> 1))))
     }
 
     #[inline(always)]

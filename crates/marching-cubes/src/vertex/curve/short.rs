@@ -1,11 +1,10 @@
-//! The short way to where a polynomial crosses its edge: no loop ends sooner for one edge than for another, and
-//! nothing is divided.
+//! The short way to where a polynomial crosses its edge: no loop ends sooner for one edge than for another.
 //!
-//! The polynomial is not made one of rise 1 in f64: that would take divisions. In f32 it is, by a reciprocal that
-//! begins with a guess from the bits and doubles its digits a few times; there its root is found but for what f32
-//! rounds, and in f64 it is corrected by what the polynomial of the values themselves is there, over a slope in
-//! f32. That leaves as much of the error as the slope is wrong, a few millionths. That the correction is small says
-//! that all went well; it is not for fewer than one in a thousand, near to where a polynomial is flat at its root.
+//! The polynomial is not made one of rise 1 in f64: that would take long divisions. In f32 it is; there its root is
+//! found but for what f32 rounds, and in f64 it is corrected by what the polynomial of the values themselves is
+//! there, over a slope in f32. That leaves as much of the error as the slope is wrong, a few millionths. That the
+//! correction is small says that all went well; it is not for fewer than one in a thousand, near to where a
+//! polynomial is flat at its root.
 //!
 //! From the other end the same numbers come out, with other signs.
 
@@ -29,7 +28,7 @@ pub(super) fn short<const PAIRS: usize>(values: &[f64]) -> Option<f64> {
         return tamed(values).and_then(|values| short::<PAIRS>(&values[..2 * PAIRS]));
     }
     let (mut even, mut odd) = parts::<PAIRS>(low, high);
-    let scale = reciprocal::<3>(narrow_rise);
+    let scale = 1.0 / narrow_rise;
     let straight = sum as f32 * scale * -0.5;
     let scaled = |parts: [f64; 2]| parts.map(|part| part as f32 * scale);
     if low(0) * high(0) >= 0.0 {
@@ -135,17 +134,14 @@ impl Narrow {
         // Two steps of Halley's.
         let s = self.of_parabola::<PAIRS>();
         let [value, slope, bend] = self.at::<PAIRS>(s);
-        let s = s - value * (slope * reciprocal::<1>(slope * slope - value * bend));
+        let s = s - value * (slope / (slope * slope - value * bend));
         let [value, slope, bend] = self.at::<PAIRS>(s);
-        let factor = slope * reciprocal::<2>(slope * slope - value * bend);
+        let factor = slope / (slope * slope - value * bend);
         let s = s - value * factor;
-        // One over the slope there, from what it was before by two steps of Newton's.
         let [_, slope, _] = self.at::<PAIRS>(s);
-        let product = slope * factor;
-        // At the root between the ends it rises.
-        let is_good = slope > 0.0 && (1.0 - product).abs() < 1.0 / 32.0;
-        let factor = factor * (2.0 - product);
-        (s, factor * (2.0 - slope * factor), is_good)
+        // At the root between the ends it rises, and on a short step it turns little.
+        let is_good = slope > 0.0 && (1.0 - slope * factor).abs() < 1.0 / 32.0;
+        (s, 1.0 / slope, is_good)
     }
 
     /// The root of a parabola that is near. With x from −1 to 1 on the edge, s³ is 3 s / 16 but for a 32nd, s⁴ is
@@ -161,7 +157,7 @@ impl Narrow {
         // The form of the quadratic formula in which nothing cancels. Any root will do where there is none.
         let square = first * first + 4.0 * second * fall;
         let square = if square > 0.0 { square } else { 0.0 };
-        (fall + fall) * reciprocal::<1>(first + square * of_root(square))
+        (fall + fall) / (first + square.sqrt())
     }
 
     /// The value, the slope, and half of the second derivative, by Horner's rule.
@@ -181,21 +177,4 @@ impl Narrow {
         let (b1, d1, e1) = (b2 * s + c1, d2 * s + b2, e2 * s + d2);
         [b1 * s - self.fall, d1 * s + b1, e1 * s + d1]
     }
-}
-
-/// One over a number, from a guess by its bits that is right to an eighth: each step of Newton's squares that.
-#[inline(always)]
-fn reciprocal<const STEPS: usize>(x: f32) -> f32 {
-    let mut y = f32::from_bits(0x7EF3_11C7_u32.wrapping_sub(x.to_bits()));
-    for _ in 0..STEPS {
-        y = y * (2.0 - x * y);
-    }
-    y
-}
-
-/// One over the root of a number, right to two thousandths (Lomont 2003, "Fast inverse square root").
-#[inline(always)]
-fn of_root(x: f32) -> f32 {
-    let y = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(x.to_bits() >> 1));
-    y * (1.5 - 0.5 * x * (y * y))
 }
