@@ -50,7 +50,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument(
         "--full", action="store_true", help="growth up to 1024³: 16 GiB of memory, 10 of disk"
     )
-    parser.add_argument("--rounds", type=int, help="runs of each contender; default: 7")
+    parser.add_argument("--rounds", type=int, help="least runs of each contender; default: 7")
     parser.add_argument("--out", type=Path, help="the folder to write to")
     parser.add_argument(
         "--busy", action="store_true", help="go on although the machine is; the table will say so"

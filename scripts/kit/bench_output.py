@@ -9,7 +9,7 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-from kit.bench_measure import Bench, Result, Series, quartiles
+from kit.bench_measure import ENOUGH, MOST, Bench, Result, Series, quartiles
 
 SECTIONS = {
     "synthetic": "Against VTK Flying Edges",
@@ -41,6 +41,13 @@ system: isokit and Rust peers run with `MALLOC_MMAP_THRESHOLD_` and `MALLOC_TRIM
 used before; VTK runs a filter that was used before, in what memory its allocator has kept. The data has
 the page faults of each run. *Bound*: a pure read of the input, and plain stores to
 fresh memory of the output's exact size, advised for 2 MiB pages."""
+
+
+def rounds(bench: Bench) -> str:
+    """How often things are measured, for people."""
+    least = f"{bench.rounds} rounds"
+    more = f", up to {MOST * bench.rounds} where they are over in {ENOUGH:.0f} s"
+    return least if bench.quick else least + more
 
 
 def write(bench: Bench, facts: dict, folder: Path, warning: str) -> None:
@@ -80,7 +87,7 @@ def table(bench: Bench, facts: dict, warning: str) -> str:
     if warning:
         parts += [f"**{warning}**", ""]
     parts += [
-        f"Printed by `scripts/bench`, {bench.rounds} rounds. {machine['cores']} cores"
+        f"Printed by `scripts/bench`, {rounds(bench)}. {machine['cores']} cores"
         f"{', virtual' if machine['hypervisor'] else ''}, {', '.join(machine['simd'])}; "
         f"isokit used {levels(bench)}. {caches}; {machine['memory_gib']} GiB; Linux {machine['kernel']}, "
         f"{machine['libc']}, huge pages {machine['huge_pages']}. Load {facts['load']['start']:.2f} "
