@@ -7,6 +7,7 @@
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
 use isokit::{
+    field::Sampled,
     geom::Frame,
     job::{Job, Threads},
     lanes::Level,
@@ -15,6 +16,7 @@ use isokit::{
         extract_many, extract_slabs,
     },
     mesh::{TriMesh, topology},
+    refine::{Isosurface, RefineOptions, Subdivision, refine},
     volume::{Bricks, Grid, Histogram, Sample, Slices, Statistics, Volume},
 };
 use isokit_tests::chance::Chance;
@@ -72,6 +74,15 @@ fn modes() -> Vec<ExtractOptions> {
     all
 }
 
+fn refinements() -> [RefineOptions; 3] {
+    let by = |subdivision| RefineOptions::DEFAULT.with_subdivision(subdivision);
+    [
+        by(Subdivision::None).with_balance(true),
+        by(Subdivision::Levels(1)),
+        by(Subdivision::MaxError(0.25)),
+    ]
+}
+
 /// All that comes of a volume, as one number a line.
 fn digests<T: Sample>(volume: &Volume<T>, iso: f64, lines: &mut Vec<String>) {
     let (view, threads) = (volume.view(), Threads::new(NonZeroUsize::new(3).unwrap()).unwrap());
@@ -102,6 +113,13 @@ fn digests<T: Sample>(volume: &Volume<T>, iso: f64, lines: &mut Vec<String>) {
         let bins = [histogram.first.to_bits(), histogram.width.to_bits()];
         let digest = Digest::NEW.with(range).with(bins).with(histogram.counts.iter().copied());
         lines.push(format!("{digest:?}"));
+        let field = Sampled::new(view);
+        for options in refinements() {
+            let mut mesh = extract(&view, iso, &ExtractOptions::DEFAULT, &job).unwrap();
+            let surface = Isosurface { field: &field, iso };
+            let found = refine(&mut mesh, &surface, &options, &job).unwrap();
+            lines.push(format!("{:?} {found:?}", Digest::NEW.with_mesh(&mesh)));
+        }
         let mesh = extract(&view, iso, &ExtractOptions::DEFAULT, &job).unwrap();
         lines.push(format!("{:?}", topology(&mesh, &job).unwrap().shortfalls()));
     }

@@ -12,9 +12,10 @@
 
 mod system;
 
-use crate::{RefineError, ground::Ground, settle::settle, split::is_spoiled};
+use crate::{RefineError, exact::in_chunks, ground::Ground, settle::settle, split::is_spoiled};
 use isokit_geom::vector::{Vector, length, normal, sub};
-use isokit_job::{CHUNK, Cancelled, Job, in_chunks};
+use isokit_job::{CHUNK, Cancelled, Job};
+use isokit_lanes::exactly;
 use isokit_mesh::{Positions, TriMesh};
 use rayon::prelude::*;
 use system::System;
@@ -197,9 +198,11 @@ impl<'a, C: Coordinate> Vertices<'a, C> {
         let chunks = kinds.par_chunks_mut(CHUNK).enumerate();
         let fill = |(n, kinds): (usize, &mut [Kind])| {
             job.check()?;
-            for (v, kind) in (n * CHUNK..).zip(&mut *kinds) {
-                *kind = Kind::of(places[v].map(C::into), normals[v], ground);
-            }
+            exactly(|| {
+                for (v, kind) in (n * CHUNK..).zip(&mut *kinds) {
+                    *kind = Kind::of(places[v].map(C::into), normals[v], ground);
+                }
+            });
             job.progress.advance(kinds.len() as u64);
             Ok(())
         };
@@ -235,16 +238,19 @@ impl<'a, C: Coordinate> Vertices<'a, C> {
             chunks.try_for_each(|(n, ((places, states), ways))| {
                 job.check()?;
                 let each = places.iter_mut().zip(states).zip(&mut *ways);
-                for (v, ((place, state), way)) in (n * CHUNK..).zip(each) {
-                    let from: Vector = place.map(C::into);
-                    let to = self.target((v, from), f64::from(*way) * self.unit, ground);
-                    (*way, *state) = (0.0, u8::from(to.is_some()));
-                    if let Some(to) = to {
-                        *place = to.map(C::rounded);
-                        let to = place.map(C::into);
-                        *way = ((length(sub(to, from)) / self.unit) as f32).max(f32::MIN_POSITIVE);
-                    }
-                }
+                let step =
+                    |(v, ((place, state), way)): (usize, ((&mut [C; 3], &mut u8), &mut f32))| {
+                        let from: Vector = place.map(C::into);
+                        let to = self.target((v, from), f64::from(*way) * self.unit, ground);
+                        (*way, *state) = (0.0, u8::from(to.is_some()));
+                        if let Some(to) = to {
+                            *place = to.map(C::rounded);
+                            let to = place.map(C::into);
+                            *way =
+                                ((length(sub(to, from)) / self.unit) as f32).max(f32::MIN_POSITIVE);
+                        }
+                    };
+                exactly(|| (n * CHUNK..).zip(each).for_each(step));
                 job.progress.advance(ways.len() as u64);
                 Ok::<(), Cancelled>(())
             })

@@ -6,10 +6,12 @@
 use crate::{
     RefineError,
     edges::Edges,
+    exact::in_chunks,
     ground::Ground,
     split::{Corner, Split, WHOLE},
 };
-use isokit_job::{CHUNK, Cancelled, Job, in_chunks};
+use isokit_job::{CHUNK, Cancelled, Job};
+use isokit_lanes::exactly;
 use isokit_mesh::{Counts, Positions, TriMesh};
 use rayon::prelude::*;
 
@@ -55,16 +57,18 @@ pub(crate) fn build(
         let range = n * CHUNK..mesh.triangles.len().min((n + 1) * CHUNK);
         let mut out = part.iter_mut();
         let mut put = |triangle| out.by_ref().take(1).for_each(|out| *out = triangle);
-        for t in range {
-            if split.is_whole(t, states) {
-                put(mesh.triangles[t]);
-                continue;
+        exactly(|| {
+            for t in range {
+                if split.is_whole(t, states) {
+                    put(mesh.triangles[t]);
+                    continue;
+                }
+                let (children, count) = split.children(t, states);
+                for child in &children[..count] {
+                    put(child.map(|corner| corner.number(&numbers)));
+                }
             }
-            let (children, count) = split.children(t, states);
-            for child in &children[..count] {
-                put(child.map(|corner| corner.number(&numbers)));
-            }
-        }
+        });
         Ok::<(), Cancelled>(())
     };
     job.threads.run(|| parts.into_par_iter().enumerate().try_for_each(fill))?;

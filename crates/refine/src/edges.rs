@@ -6,9 +6,10 @@
 
 use crate::{
     RefineError,
+    exact::in_chunks,
     split::{Corner, Split, WHOLE},
 };
-use isokit_job::{Job, Stopped, in_chunks};
+use isokit_job::{Job, Stopped};
 use isokit_mesh::{Stars, TriMesh};
 use rayon::prelude::*;
 

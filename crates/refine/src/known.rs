@@ -7,12 +7,13 @@
 use crate::{
     RefineError,
     edges::{Edges, NEW},
+    exact::in_chunks,
     ground::Ground,
     split::middle,
 };
 use isokit_field::Jet;
 use isokit_geom::vector::{Vector, sub};
-use isokit_job::{Cancelled, Job, in_chunks};
+use isokit_job::{Cancelled, Job};
 use isokit_mesh::TriMesh;
 
 /// A vertex as the field sees it.

@@ -20,6 +20,7 @@ mod balance;
 mod build;
 mod edges;
 mod error;
+mod exact;
 mod ground;
 mod known;
 mod options;

@@ -5,12 +5,14 @@ use crate::{
     balance::balance,
     build::build,
     edges::{Edges, NEW},
+    exact::in_chunks,
     ground::Ground,
     known::Known,
     sagitta::Sagitta,
     split::{HALVED, Split, WHOLE, middle},
 };
-use isokit_job::{Job, in_chunks};
+use isokit_job::Job;
+use isokit_lanes::exactly;
 use isokit_mesh::TriMesh;
 
 /// What became of a surface.
@@ -63,6 +65,15 @@ pub fn refine(
     job: &Job,
 ) -> Result<Refined, RefineError> {
     check(mesh, surface, options, job)?;
+    exactly(|| refined(mesh, surface, options, job))
+}
+
+fn refined(
+    mesh: &mut TriMesh,
+    surface: &Isosurface<'_>,
+    options: &RefineOptions,
+    job: &Job,
+) -> Result<Refined, RefineError> {
     let ground = Ground::new(*surface, mesh.positions.precision());
     let mut refined = Refined::default();
     if mesh.triangles.is_empty() {

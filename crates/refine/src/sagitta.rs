@@ -13,8 +13,8 @@
 //! Of a triangle whose bound is too great those sides are divided that make it so, whatever its neighbours
 //! need. A side on a rim counts in the plane of the border; caps are flat and count nothing.
 
-use crate::{RefineError, edges::Edges, known::Known};
-use isokit_job::{Job, in_chunks};
+use crate::{RefineError, edges::Edges, exact::in_chunks, known::Known};
+use isokit_job::Job;
 use isokit_mesh::TriMesh;
 
 /// What is known of the edges of a mesh and its triangles.

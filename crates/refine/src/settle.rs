@@ -1,6 +1,7 @@
 //! Takes back, step by step, what would spoil a triangle.
 
-use isokit_job::{Cancelled, Job, in_chunks};
+use crate::exact::in_chunks;
+use isokit_job::{Cancelled, Job};
 
 /// Lowers states until no triangle is bad. `parts` are, for each triangle, the three things whose states
 /// decide its shape: edges, or vertices. Of a bad triangle those in the greatest state go down by one; a

@@ -7,6 +7,7 @@
 use crate::{RefineError, edges::Edges, ground::Ground, settle::settle};
 use isokit_geom::vector::{Vector, dot, normal, sub};
 use isokit_job::{CHUNK, Cancelled, Job};
+use isokit_lanes::exactly;
 use isokit_mesh::{Precision, TriMesh, is_degenerate};
 use rayon::prelude::*;
 
@@ -61,14 +62,16 @@ impl<'a> Split<'a> {
         let (mut states, mut moved) = (vec![WHOLE; edges.len()], vec![[0.0; 3]; edges.len()]);
         let fill = |(n, (states, moved)): (usize, (&mut [u8], &mut [Vector]))| {
             job.check()?;
-            for (edge, (state, moved)) in (n * CHUNK..).zip(states.iter_mut().zip(moved)) {
-                if chosen(edge) {
-                    *state = HALVED;
-                    if let Some(place) = on_surface(mesh, edges.ends[edge], ground) {
-                        (*state, *moved) = (MOVED, place);
+            exactly(|| {
+                for (edge, (state, moved)) in (n * CHUNK..).zip(states.iter_mut().zip(moved)) {
+                    if chosen(edge) {
+                        *state = HALVED;
+                        if let Some(place) = on_surface(mesh, edges.ends[edge], ground) {
+                            (*state, *moved) = (MOVED, place);
+                        }
                     }
                 }
-            }
+            });
             job.progress.advance(states.len() as u64);
             Ok::<(), Cancelled>(())
         };

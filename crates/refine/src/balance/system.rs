@@ -28,7 +28,9 @@
 //! Everything is in f32, in units in which a cell is about 1 long: the offsets are small beside that.
 
 use super::{Coordinate, Vertices};
-use isokit_job::{CHUNK, Cancelled, Job, in_chunks};
+use crate::exact::in_chunks;
+use isokit_job::{CHUNK, Cancelled, Job};
+use isokit_lanes::exactly;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -91,7 +93,7 @@ impl System {
                 rows: vec![[0.0; 2]; own.len()],
                 spread: vec![0.0; own.len()],
             };
-            part.fill(vertices, triangles, job)?;
+            exactly(|| part.fill(vertices, triangles, job))?;
             Ok(part)
         };
         let firsts: Vec<_> = (0..count).step_by(range).collect();
@@ -112,11 +114,12 @@ impl System {
             job.threads.run(|| {
                 if step > 0 {
                     let known = &offsets[..];
-                    parts.par_iter_mut().for_each(|part| part.spread(triangles, known));
+                    let spread = |part: &mut Part| exactly(|| part.spread(triangles, known));
+                    parts.par_iter_mut().for_each(spread);
                 }
                 let own = parts.par_iter_mut().zip(offsets.par_chunks_mut(range));
                 own.for_each(|(part, offsets)| {
-                    part.step(offsets, 1.0 / root, step + 1 == ROOTS.len())
+                    exactly(|| part.step(offsets, 1.0 / root, step + 1 == ROOTS.len()));
                 });
             });
         }
@@ -132,7 +135,7 @@ impl System {
         job: &Job,
     ) -> Result<Vec<[u32; 3]>, Cancelled> {
         job.check()?;
-        let doubted = |part: &Part| part.doubted(triangles, ways);
+        let doubted = |part: &Part| exactly(|| part.doubted(triangles, ways));
         let each: Vec<_> = job.threads.run(|| self.parts.par_iter().map(doubted).collect());
         Ok(each.concat())
     }
