@@ -72,7 +72,7 @@ fn check(name: &str, field: &Field) {
         let says = format!("{name}, {placement:?}: {places:.2}, {normals:.2} from {errors:?}");
         assert!(places >= of_places, "places of {says}");
         // Normals are f32, which ends what can be seen of their order.
-        assert!(normals >= of_normals || errors[3][1] < 4e-8, "normals of {says}");
+        assert!(normals >= of_normals || errors[3][1] < 5e-8, "normals of {says}");
         assert!(errors[3][0] < before[0] / 10.0 && errors[3][1] < before[1], "finest of {says}");
         before = errors[3];
     }

@@ -1,9 +1,10 @@
 //! Normals from differences of a high order, 16 edges at a time.
 //!
 //! `vertex/curved.rs` of `marching-cubes` has the definition, for one edge, with the same operations in the same
-//! order, so that the bits are the same. Each part of the gradient is made from slopes at the samples around
-//! the edge on its line: the part along the edge from samples that slopes share, those across from samples
-//! beside it. Slopes are made in the type that holds samples exactly, and are f64 from there on.
+//! order, so that the bits are the same. Each part of the gradient is a sum of differences over two steps, four and
+//! so on, at the samples around the edge on its line: for the part along the edge between samples that they share,
+//! for those across between samples beside it. Differences are made in the type that holds samples exactly, and are
+//! f64 from there on.
 
 use super::{
     Batch, Kernel,
@@ -19,9 +20,13 @@ const TAME: Range<f64> = 1e-120..1e120;
 /// The most pairs of samples around an edge that a vertex depends on.
 const MOST: usize = 3;
 
-/// The weights of differences between samples one step to either side, two and so on, in the derivative times
-/// 12 or 60.
-const SLOPES: [&[f32]; MOST] = [&[], &[8.0, -1.0], &[45.0, -9.0, 1.0]];
+/// By pairs, less one: what part of the derivative times 2, 12 or 60, and of each of its corrections, which are
+/// interpolated from a pair less, are the differences over two steps, four and six.
+const SLOPES: [[[f64; MOST]; MOST]; MOST] = [
+    [[1.0, 0.0, 0.0], [0.0; MOST], [0.0; MOST]],
+    [[6.0, 0.0, 0.0], [2.0, -1.0, 0.0], [0.0; MOST]],
+    [[30.0, 0.0, 0.0], [10.0, -5.0, 0.0], [5.0, -4.0, 1.0]],
+];
 
 /// Makes the normals of the batches from edge `first` on, where their lines are crossed. Those of edges so near
 /// to the border that a slope is one-sided are left, and those that are no unit vector.
@@ -62,37 +67,36 @@ impl<T: Lane> Kernel<'_, '_, T> {
         delta: W::F64,
         normals: &mut [[f32; 3]; BATCH],
     ) -> u16 {
-        if !self.samples.is_near(2 * pairs as i64) {
+        if !self.samples.is_near(pairs as i64 + 1) {
             return u16::MAX;
         }
         let mut batch = self.ends(wide, first);
-        let (along, across) = (2 * pairs as u32 - 1, pairs as u32);
-        let is_left = self.keep_inner(wide, &mut batch, along, across);
+        let is_left = self.keep_inner(wide, &mut batch, pairs as u32);
         if is_left == u16::MAX {
             return u16::MAX;
         }
         let stencil = self.stencil(wide, &batch);
         // SAFETY: the edges that are left are so far from the border, and the farthest samples no more
         // slices away.
-        let parts = unsafe { self.parts(wide, &stencil, pairs, delta) };
+        let parts = unsafe {
+            match pairs {
+                2 => self.parts::<W, 2, 6>(wide, &stencil, delta),
+                _ => self.parts::<W, 3, 8>(wide, &stencil, delta),
+            }
+        };
         is_left | self.write_curved_normals(wide, batch.axis, parts, normals)
     }
 
     /// Puts an edge that is an inner one in the place of those that are not; the bits of those. Of an inner
-    /// one both ends are so far from the border along its axis, and across.
+    /// one both ends are so far from the border.
     #[inline(always)]
-    fn keep_inner<W: Wide>(&self, wide: W, batch: &mut Batch<W>, along: u32, across: u32) -> u16 {
-        let mut is_inner = u16::MAX;
+    fn keep_inner<W: Wide>(&self, wide: W, batch: &mut Batch<W>, margin: u32) -> u16 {
+        let (mut is_inner, less) = (u16::MAX, wide.u32(margin.wrapping_neg()));
         for axis in 0..3 {
-            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and −5 too.
-            let size = self.samples.dims()[axis];
-            let is_along = wide.equal(batch.axis, wide.u32(axis as u32));
-            for (margin, is_concerned) in [(along, is_along), (across, !is_along)] {
-                let less = wide.u32(margin.wrapping_neg());
-                let within = wide.u32(size.saturating_sub(2 * margin));
-                for end in [batch.low[axis], batch.high[axis]] {
-                    is_inner &= wide.less(end + less, within) | !is_concerned;
-                }
+            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and −3 too.
+            let within = wide.u32(self.samples.dims()[axis].saturating_sub(2 * margin));
+            for end in [batch.low[axis], batch.high[axis]] {
+                is_inner &= wide.less(end + less, within);
             }
         }
         if is_inner != 0 && is_inner != u16::MAX {
@@ -105,65 +109,61 @@ impl<T: Lane> Kernel<'_, '_, T> {
     }
 
     /// The parts of the gradients along the edges, and along the two axes that follow, from so many pairs of
-    /// samples around each edge. How many is known when it runs, so that gathers are not written out for each.
+    /// samples around each edge, and `LINE` samples on its line: one more on either side.
     ///
     /// # Safety
     ///
-    /// Beyond both ends of each edge there must be samples: along it twice the pairs less one, and to all
-    /// other sides as many as there are pairs. [`Samples::is_near`](crate::Samples) must hold for twice
-    /// the pairs.
+    /// Beyond both ends of each edge there must be as many samples to all sides as there are pairs.
+    /// [`Samples::is_near`](crate::Samples) must hold for one more.
     #[inline(always)]
-    unsafe fn parts<W: Wide>(
+    unsafe fn parts<W: Wide, const PAIRS: usize, const LINE: usize>(
         &self,
         wide: W,
         stencil: &Stencil<W>,
-        pairs: usize,
         delta: W::F64,
     ) -> [W::F64; 3] {
         let Stencil { slice, low, steps } = *stencil;
-        // From 2 · pairs − 1 before the lower end.
-        let first = low + steps[0] * wide.u32((2 * pairs - 1).wrapping_neg() as u32);
-        let (mut numbers, mut line) = ([first; 4 * MOST], [T::Exact::splat(wide, 0.0); 4 * MOST]);
-        let mut number = first;
-        for (to, sample) in numbers.iter_mut().zip(&mut line).take(4 * pairs) {
+        let back = wide.u32(u32::MAX);
+        let zero = T::Exact::splat(wide, 0.0);
+        // From so many before the lower end as there are pairs.
+        let mut number = low + steps[0] * wide.u32((PAIRS as u32).wrapping_neg());
+        let (mut numbers, mut line) = ([number; LINE], [zero; LINE]);
+        for (to, sample) in numbers.iter_mut().zip(&mut line) {
             *to = number;
             // SAFETY: samples along the edge so far beyond its ends are there, and have both neighbours to all
             // other sides.
             *sample = unsafe { wide.near(self.samples, slice, number) };
             number = number + steps[0];
         }
-        let weights = weights(wide, pairs, delta);
+        let weights = slope_weights::<W, PAIRS>(wide, delta);
         let mut parts = [wide.f64(0.0); 3];
         for (part, sum) in parts.iter_mut().enumerate() {
-            let mut slopes = [*sum; 2 * MOST];
-            for (n, to) in slopes[..2 * pairs].iter_mut().enumerate() {
-                let middle = pairs + n;
-                let mut slope = T::Exact::splat(wide, 0.0);
-                let mut beside = [numbers[middle]; 2];
-                for (apart, &weight) in (1..).zip(SLOPES[pairs - 1]) {
-                    let [below, above] = match part {
-                        0 => [line[middle - apart], line[middle + apart]],
-                        _ => {
-                            let step = steps[part];
-                            beside = [beside[0] + step * wide.u32(u32::MAX), beside[1] + step];
+            let (step, mut aside) = (steps[part], [wide.u32(0); 2]);
+            for (n, weights) in weights.iter().enumerate() {
+                aside = [aside[0] + step * back, aside[1] + step];
+                let mut mean = *sum;
+                for (pair, weights) in weights[..PAIRS - n].iter().enumerate() {
+                    let mut both = [*sum; 2];
+                    for (side, both) in both.iter_mut().enumerate() {
+                        let middle = [PAIRS - pair, PAIRS + 1 + pair][side];
+                        let [below, above] = match part {
+                            0 => [line[middle - n - 1], line[middle + n + 1]],
                             // SAFETY: samples so far to this side are there. They have both neighbours along
                             // the edge, where more lie beyond, and along the third axis.
-                            unsafe {
+                            _ => unsafe {
                                 [
-                                    wide.near(self.samples, slice, beside[0]),
-                                    wide.near(self.samples, slice, beside[1]),
+                                    wide.near(self.samples, slice, numbers[middle] + aside[0]),
+                                    wide.near(self.samples, slice, numbers[middle] + aside[1]),
                                 ]
-                            }
-                        }
-                    };
-                    slope = slope + T::Exact::splat(wide, weight) * (above - below);
+                            },
+                        };
+                        let difference = T::Exact::to_f64(wide, above - below);
+                        *both = difference * weights[side];
+                    }
+                    let both = both[0] + both[1];
+                    mean = if pair == 0 { both } else { mean + both };
                 }
-                *to = T::Exact::to_f64(wide, slope);
-            }
-            for (pair, weights) in weights[..pairs].iter().enumerate() {
-                let [below, above] = [slopes[pairs - 1 - pair], slopes[pairs + pair]];
-                let both = below * weights[0] + above * weights[1];
-                *sum = if pair == 0 { both } else { *sum + both };
+                *sum = if n == 0 { mean } else { *sum + mean };
             }
         }
         parts
@@ -203,6 +203,23 @@ impl<T: Lane> Kernel<'_, '_, T> {
         // A part that is NaN may hide behind the greatest of the others, not in the sum of squares.
         !(is_tame & square.less(wide.f64(f64::INFINITY)))
     }
+}
+
+/// The weights of differences in the derivative, so many edge lengths from the middle of an edge, as `line.rs` of
+/// `volume` has them.
+#[inline(always)]
+fn slope_weights<W: Wide, const PAIRS: usize>(wide: W, s: W::F64) -> [[[W::F64; 2]; PAIRS]; PAIRS] {
+    let mut sums = [[[wide.f64(0.0); 2]; PAIRS]; PAIRS];
+    for (level, shares) in SLOPES[PAIRS - 1][..PAIRS].iter().enumerate() {
+        let weights = weights(wide, PAIRS - level, s);
+        for (sums, &share) in sums.iter_mut().zip(shares).take(level + 1) {
+            let share = wide.f64(share);
+            for (sum, weights) in sums.iter_mut().zip(weights).take(PAIRS - level) {
+                *sum = [sum[0] + share * weights[0], sum[1] + share * weights[1]];
+            }
+        }
+    }
+    sums
 }
 
 /// The weights of pairs of values around an edge in what the polynomial through all of them is, so many edge

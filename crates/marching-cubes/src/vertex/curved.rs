@@ -68,31 +68,50 @@ impl<T: Sample> Placer<'_, T> {
         curved.unwrap_or_else(|| self.normal(cut))
     }
 
-    /// The unit normal at a cut of a curve: against the gradient, whose parts are differences of as high an
-    /// order as the curve's at the samples around the edge, and between those what the curve through them
-    /// is. None where one is not finite or all are 0.
+    /// The unit normal at a cut of a curve: against the gradient, whose parts are sums of differences to as high an
+    /// order as the curve's ([`line::slope_weights`]). None where one is not finite or all are 0.
     fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
-        let (dims, weights) = (self.view.dims(), line::weights::<PAIRS>(cut.delta));
+        let (size, weights) = (self.view.dims()[axis], line::slope_weights::<PAIRS>(cut.delta));
         let mut gradient = [0.0; 3];
         for (part, gradient) in gradient.iter_mut().enumerate() {
-            let mut around = [[0.0; 2]; PAIRS];
-            let around = around.as_flattened_mut();
-            let first = ijk[axis] as isize + 1 - PAIRS as isize;
-            line::values(around, first, dims[axis], |i| {
-                let here = with(ijk, axis, i);
-                let mut across = [0.0; MOST + 1];
-                let across = &mut across[..=2 * PAIRS];
-                let first = here[part] as isize - PAIRS as isize;
-                line::values(across, first, dims[part], |j| {
-                    self.view.stored(with(here, part, j)).to_f64()
+            for (n, weights) in weights.iter().enumerate() {
+                let (apart, pairs) = (n + 1, PAIRS - n);
+                let mut around = [0.0; MOST];
+                let around = &mut around[..2 * pairs];
+                let first = ijk[axis] as isize + 1 - pairs as isize;
+                line::values(around, first, size, |i| {
+                    self.difference::<PAIRS>(with(ijk, axis, i), part, apart)
                 });
-                slope::<T>(across)
-            });
-            *gradient = line::mean(around, &weights) * self.field.slope;
+                let mean = line::mean(around, &weights[..pairs]);
+                *gradient = if n == 0 { mean } else { *gradient + mean };
+            }
+            *gradient *= self.field.slope;
         }
         let is_finite = gradient.iter().all(|part| part.is_finite());
         is_finite.then(|| self.outward(gradient)).flatten()
+    }
+
+    /// By how much the stored sample so many steps above one exceeds the one as many below. In f32 for those that
+    /// are f32, unless it overflows there: neighbours are subtracted without a loss where neither is twice the
+    /// other (Sterbenz); elsewhere what is lost is no more than the samples lost when they were rounded.
+    fn difference<const PAIRS: usize>(&self, here: [usize; 3], part: usize, apart: usize) -> f64 {
+        let mut across = [0.0; MOST + 1];
+        let across = &mut across[..=2 * PAIRS];
+        let (at, size) = (here[part], self.view.dims()[part]);
+        let stored = |i: usize| self.view.stored(with(here, part, i)).to_f64();
+        let [below, above] = match at >= apart && at + apart < size {
+            true => [stored(at - apart), stored(at + apart)],
+            false => {
+                line::values(across, at as isize - PAIRS as isize, size, stored);
+                [across[PAIRS - apart], across[PAIRS + apart]]
+            }
+        };
+        let narrow = above as f32 - below as f32;
+        match T::DTYPE == Dtype::F32 && narrow.is_finite() {
+            true => narrow.into(),
+            false => above - below,
+        }
     }
 }
 
@@ -117,24 +136,6 @@ impl<T: Sample> OneByOne for OfEdges<'_, '_, T> {
         let (axis, low) = self.edges.get(edge);
         self.placer.normal_on_curve(&Cut { delta, ..self.placer.cut(axis, low) })
     }
-}
-
-/// What [`line::slope`] gives of stored samples: in f32 for those that are f32, unless it overflows there.
-/// Neighbours are subtracted without a loss where neither is twice the other (Sterbenz); elsewhere what is
-/// lost is no more than the samples lost when they were rounded.
-#[inline(always)]
-fn slope<T: Sample>(values: &[f64]) -> f64 {
-    if T::DTYPE == Dtype::F32 {
-        let mut narrow = [0.0_f32; MOST + 1];
-        for (narrow, &value) in narrow.iter_mut().zip(values) {
-            *narrow = value as f32;
-        }
-        let slope = line::slope(&narrow[..values.len()]);
-        if slope.is_finite() {
-            return slope.into();
-        }
-    }
-    line::slope(values)
 }
 
 /// The same place but for one axis.

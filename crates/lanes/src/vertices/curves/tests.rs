@@ -216,8 +216,8 @@ fn normals_whose_slopes_leave_the_lattice_are_those_that_the_caller_tells() {
             for n in (0..list.len()).filter(|&n| !odd.contains(&(n as u32))) {
                 let (axis, low) = edges.get(n);
                 let is_inner = (0..3).all(|k| {
-                    let (low, margin) = (low[k] as usize, if k == axis { 3 } else { 2 });
-                    low >= margin && low + usize::from(k == axis) + margin < dims[k]
+                    let low = low[k] as usize;
+                    low >= 2 && low + usize::from(k == axis) + 2 < dims[k]
                 });
                 let length: f32 = normals[n].iter().map(|c| c * c).sum();
                 let is_told = normals[n][0] == n as f32 && normals[n][2] == 2.0;
