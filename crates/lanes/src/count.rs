@@ -28,6 +28,41 @@ pub fn count_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts])
     count_rows_at(Level::current(), bits, rows, out, None);
 }
 
+/// The same, of vertices on edges along x and y alone: other counts are 0.
+///
+/// # Panics
+///
+/// As [`count_rows`].
+pub fn count_flat_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_flat_rows_at(Level::current(), bits, rows, out);
+}
+
+fn count_flat_rows_at(level: Level, bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    check(bits, &rows, out);
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => {
+            level.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            unsafe { count_flat_rows_avx512(bits, rows, out) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            level.assert_available();
+            // SAFETY: as above.
+            unsafe { count_flat_rows_avx2(bits, rows, out) }
+        }
+        _ => count_rows_plain::<true>(bits, rows, out),
+    }
+}
+
+/// Makes counts 0.
+fn check(bits: &BitRows<'_>, rows: &Range<usize>, out: &mut [RowCounts]) {
+    assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
+    assert_eq!(rows.len(), out.len(), "a count for each row");
+    out.fill(RowCounts::default());
+}
+
 /// The same, and the words that hold an [open](Word::open) cell, row by row, into `open`. Their lists of cut edges
 /// are left empty.
 ///
@@ -50,9 +85,7 @@ fn count_rows_at(
     out: &mut [RowCounts],
     open: Option<&mut Vec<Word>>,
 ) {
-    assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
-    assert_eq!(rows.len(), out.len(), "a count for each row");
-    out.fill(RowCounts::default());
+    check(bits, &rows, out);
     #[cfg(target_arch = "x86_64")]
     if level == Level::Avx512 {
         level.assert_available();
@@ -69,26 +102,50 @@ fn count_rows_at(
             // SAFETY: as above.
             unsafe { count_rows_avx2(bits, rows, out) }
         }
-        _ => count_rows_plain(bits, rows, out),
+        _ => count_rows_plain::<false>(bits, rows, out),
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn count_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    count_rows_plain(bits, rows, out);
+    count_rows_plain::<false>(bits, rows, out);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn count_flat_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_rows_plain::<true>(bits, rows, out);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
+)]
+fn count_flat_rows_avx512(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_rows_plain::<true>(bits, rows, out);
 }
 
 /// Words that are counted before they are added to their rows.
 const BLOCK: usize = 512;
 
-/// The loop of the lower levels, which the compiler makes as wide as it may.
+/// The loop of the lower levels, and of the flat counts of all, which the compiler makes as wide as it may.
 #[inline(always)]
-fn count_rows_plain(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+fn count_rows_plain<const FLAT: bool>(
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    out: &mut [RowCounts],
+) {
     let words = bits.words();
     if words > BLOCK {
         let first = rows.start;
-        return bits.each_word(rows, |word| out[word.row - first].add(word));
+        return bits.each_word(rows, |word| {
+            let counts = &mut out[word.row - first];
+            counts.add(word);
+            if FLAT {
+                (counts.z, counts.triangles) = (0, 0);
+            }
+        });
     }
     let (mut cells, mut packed) = ([u64::MAX; BLOCK], [0; BLOCK]);
     let last = bits.cells(words - 1);
@@ -99,7 +156,7 @@ fn count_rows_plain(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts
         let inner = rows.end.min(bits.rows() - 1).saturating_sub(rows.start);
         let block = inner.clamp(1, BLOCK / words);
         let packed = &mut packed[..block * words];
-        count_block(bits.flat(rows.start..rows.start + block), &cells, packed);
+        count_block::<FLAT>(bits.flat(rows.start..rows.start + block), &cells, packed);
         let mask = if bits.has_cells(rows.start) { u64::MAX } else { u64::MAX >> 16 };
         let (of_block, rest) = out.split_at_mut(block);
         for (row, packed) in of_block.iter_mut().zip(packed.chunks_exact(words)) {
@@ -114,22 +171,26 @@ fn count_rows_plain(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts
 
 /// Counts the words of rows that lie one behind another: for each a number of four times 16 bits.
 #[inline(always)]
-fn count_block(rows: [&[u64]; 4], cells: &[u64; BLOCK], packed: &mut [u64]) {
+fn count_block<const FLAT: bool>(rows: [&[u64]; 4], cells: &[u64; BLOCK], packed: &mut [u64]) {
     let last = packed.len() - 1;
     let [a, b, c, d] = rows.map(|row| &row[..=last]);
     let [a_next, b_next, c_next, d_next] = rows.map(|row| &row[1..=last]);
     let cells = &cells[..=last];
     for i in 0..last {
         let next = [a_next[i], b_next[i], c_next[i], d_next[i]];
-        packed[i] = count_word([a[i], b[i], c[i], d[i]], next, cells[i]);
+        packed[i] = count_word::<FLAT>([a[i], b[i], c[i], d[i]], next, cells[i]);
     }
     // The last word ends a row: what follows is not asked.
-    packed[last] = count_word([a[last], b[last], c[last], d[last]], [0; 4], cells[last]);
+    packed[last] = count_word::<FLAT>([a[last], b[last], c[last], d[last]], [0; 4], cells[last]);
 }
 
 #[inline(always)]
-fn count_word(words: [u64; 4], next: [u64; 4], cells: u64) -> u64 {
+fn count_word<const FLAT: bool>(words: [u64; 4], next: [u64; 4], cells: u64) -> u64 {
     let high = |n: usize| words[n] >> 1 | next[n] << (WORD - 1);
+    if FLAT {
+        let x = u64::from(((words[0] ^ high(0)) & cells).count_ones());
+        return x | u64::from((words[0] ^ words[1]).count_ones()) << 16;
+    }
     count_corners(words, [high(0), high(1), high(2), high(3)], cells)
 }
 
@@ -177,7 +238,7 @@ impl RowCounts {
 
 #[cfg(test)]
 mod tests {
-    use super::{RowCounts, count_rows_at, count_words};
+    use super::{RowCounts, count_flat_rows_at, count_rows_at, count_words};
     use crate::{BitRows, Level, Word, euler::by_loops, words_of_rows};
     use std::array;
 
@@ -218,6 +279,9 @@ mod tests {
                     assert_eq!(found, expected, "{level}, {points} points");
                     count_rows_at(level, &bits, own.clone(), &mut found, Some(&mut open));
                     assert_eq!((&found, &open), (&expected, &words), "{level}, {points} points");
+                    count_flat_rows_at(level, &bits, own.clone(), &mut found);
+                    let flat = |row: &RowCounts| RowCounts { z: 0, triangles: 0, ..*row };
+                    assert!(found.iter().eq(&expected.iter().map(flat).collect::<Vec<_>>()));
                 }
                 words_of_rows(&bits, own.clone(), &mut words);
                 let mut found = vec![RowCounts::default(); rows];

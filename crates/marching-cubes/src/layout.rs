@@ -15,7 +15,8 @@ use crate::{
 };
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
-    Word, count_rows, count_rows_with_open, count_words, exactly, open_words_of_rows, words_of_rows,
+    Word, count_flat_rows, count_rows, count_rows_with_open, count_words, exactly,
+    open_words_of_rows, words_of_rows,
 };
 use isokit_mesh::Counts;
 use isokit_volume::Sample;
@@ -88,9 +89,7 @@ impl Layout {
                     return <_>::default();
                 }
                 if z == own.end {
-                    let none = &mut SpecialCells::default();
-                    counting.slice::<T>((z, done[z]), slice, None, (none, &mut scratch));
-                    slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
+                    counting.flat(z, slice, &mut scratch);
                     return <_>::default();
                 }
                 let mut special = SpecialCells::default();
@@ -142,9 +141,7 @@ impl Layout {
         self.special.resize_with(own.len(), SpecialCells::default);
         for (z, slice) in (own.start..).zip(self.rows.chunks_exact_mut(ny)) {
             if z == own.end {
-                let none = &mut SpecialCells::default();
-                counting.slice::<T>((z, false), slice, None, (none, scratch));
-                slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
+                counting.flat(z, slice, scratch);
                 break;
             }
             let special = &mut self.special[z - own.start];
@@ -299,6 +296,20 @@ impl Counting<'_> {
                 slice[row].triangles -= u32::from(COUNTS[usize::from(case)]);
             });
         }
+    }
+
+    /// Counts the vertices along x and y that the rows of slice `z` make.
+    fn flat(&self, z: usize, slice: &mut [Row], scratch: &mut Vec<Word>) {
+        if self.skips(z) {
+            return;
+        }
+        let rows = 0..slice.len();
+        if self.takes_all() {
+            return count_flat_rows(&self.planes.inside.slices(z), rows, slice);
+        }
+        words(self.planes, self.live, rows, z, scratch);
+        count_words(scratch, slice);
+        slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
     }
 
     /// Whether every word of a slice counts.
