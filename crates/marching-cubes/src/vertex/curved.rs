@@ -73,17 +73,20 @@ impl<T: Sample> Placer<'_, T> {
     fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let (size, weights) = (self.view.dims()[axis], line::slope_weights::<PAIRS>(cut.delta));
+        let after = ijk[axis] + 1;
         let mut gradient = [0.0; 3];
         for (part, gradient) in gradient.iter_mut().enumerate() {
             for (n, weights) in weights.iter().enumerate() {
                 let (apart, pairs) = (n + 1, PAIRS - n);
+                // Beyond the border all are told from as many samples: in a correction what is wrong is to cancel.
+                let is_within = after >= pairs && after + pairs <= size;
+                let reach = if is_within { pairs } else { PAIRS };
                 let mut around = [0.0; MOST];
-                let around = &mut around[..2 * pairs];
-                let first = ijk[axis] as isize + 1 - pairs as isize;
-                line::values(around, first, size, |i| {
+                let around = &mut around[..2 * reach];
+                line::values(around, after as isize - reach as isize, size, |i| {
                     self.difference::<PAIRS>(with(ijk, axis, i), part, apart)
                 });
-                let mean = line::mean(around, &weights[..pairs]);
+                let mean = line::mean(&around[reach - pairs..reach + pairs], &weights[..pairs]);
                 *gradient = if n == 0 { mean } else { *gradient + mean };
             }
             *gradient *= self.field.slope;
@@ -96,13 +99,13 @@ impl<T: Sample> Placer<'_, T> {
     /// are f32, unless it overflows there: neighbours are subtracted without a loss where neither is twice the
     /// other (Sterbenz); elsewhere what is lost is no more than the samples lost when they were rounded.
     fn difference<const PAIRS: usize>(&self, here: [usize; 3], part: usize, apart: usize) -> f64 {
-        let mut across = [0.0; MOST + 1];
-        let across = &mut across[..=2 * PAIRS];
         let (at, size) = (here[part], self.view.dims()[part]);
         let stored = |i: usize| self.view.stored(with(here, part, i)).to_f64();
         let [below, above] = match at >= apart && at + apart < size {
             true => [stored(at - apart), stored(at + apart)],
             false => {
+                let mut across = [0.0; MOST + 1];
+                let across = &mut across[..=2 * PAIRS];
                 line::values(across, at as isize - PAIRS as isize, size, stored);
                 [across[PAIRS - apart], across[PAIRS + apart]]
             }

@@ -1,6 +1,7 @@
 //! Places and normals on single edges.
 
-use super::{Placer, delta, greatest};
+use super::{Cut, Placer, delta, greatest};
+use crate::Placement;
 use isokit_geom::{Affine, Frame};
 use isokit_lanes::{Edges, Word};
 use isokit_volume::{Grid, Volume, gradient};
@@ -122,6 +123,54 @@ fn normals_made_sixteen_at_a_time_are_right_to_a_few_units_of_their_last_place()
         }
     }
     assert!(compared > 300, "{compared} normals");
+}
+
+/// The sum of all products of powers of x, y and z up to a degree, each with a factor of its own, and its gradient.
+fn powers(degree: i32, [x, y, z]: [f64; 3]) -> (f64, [f64; 3]) {
+    let (mut value, mut gradient) = (0.0, [0.0; 3]);
+    for [a, b, c] in (0..343).map(|n| [n % 7, n / 7 % 7, n / 49]) {
+        if a + b + c > degree {
+            continue;
+        }
+        let factor = 1.0 / f64::from(1 + a + 2 * b + 3 * c);
+        let power = |x: f64, n: i32| if n < 0 { 0.0 } else { x.powi(n) };
+        let product = |a, b, c| factor * power(x, a) * power(y, b) * power(z, c);
+        value += product(a, b, c);
+        gradient[0] += f64::from(a) * product(a - 1, b, c);
+        gradient[1] += f64::from(b) * product(a, b - 1, c);
+        gradient[2] += f64::from(c) * product(a, b, c - 1);
+    }
+    (value, gradient)
+}
+
+#[test]
+fn normals_on_curves_are_exact_for_polynomials_of_their_degree_up_to_the_border() {
+    let size = [8, 9, 10];
+    let place = |ijk: [f64; 3]| ijk.map(|i| i / 4.0 - 1.0);
+    for (placement, degree) in [(Placement::Cubic, 4), (Placement::Quintic, 6)] {
+        let value = |n: usize| {
+            let ijk = [n % 8, n / 8 % 9, n / 72].map(|i| i as f64);
+            powers(degree, place(ijk)).0
+        };
+        let grid = Grid::new(size, Frame::default()).unwrap();
+        let volume = Volume::new(grid, (0..720).map(value).collect::<Vec<f64>>()).unwrap();
+        let placer = Placer::new(volume.view(), 0.0, 0.0, 0.0).with_placement(placement);
+        for (axis, n) in (0..3).flat_map(|axis| (0..720).map(move |n| (axis, n))) {
+            let low = [n % 8, n / 8 % 9, n / 72];
+            if low[axis] as u64 + 1 == size[axis] {
+                continue;
+            }
+            for delta in [-0.5, -0.2, 0.0, 0.3] {
+                let cut = Cut { delta, ..placer.cut(axis, low) };
+                let mut ijk = low.map(f64::from);
+                ijk[axis] += 0.5 + delta;
+                let exact = placer.outward(powers(degree, place(ijk)).1).unwrap();
+                for (found, exact) in placer.normal_on_curve(&cut).into_iter().zip(exact) {
+                    assert!((found - exact).abs() < 1e-6, "{placement:?}, {axis}, {low:?}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
