@@ -28,41 +28,6 @@ pub fn count_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts])
     count_rows_at(Level::current(), bits, rows, out, None);
 }
 
-/// The same, of vertices on edges along x and y alone: other counts are 0.
-///
-/// # Panics
-///
-/// As [`count_rows`].
-pub fn count_flat_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    count_flat_rows_at(Level::current(), bits, rows, out);
-}
-
-fn count_flat_rows_at(level: Level, bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    check(bits, &rows, out);
-    match level {
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => {
-            level.assert_available();
-            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { count_flat_rows_avx512(bits, rows, out) }
-        }
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => {
-            level.assert_available();
-            // SAFETY: as above.
-            unsafe { count_flat_rows_avx2(bits, rows, out) }
-        }
-        _ => count_rows_plain::<true>(bits, rows, out),
-    }
-}
-
-/// Makes counts 0.
-fn check(bits: &BitRows<'_>, rows: &Range<usize>, out: &mut [RowCounts]) {
-    assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
-    assert_eq!(rows.len(), out.len(), "a count for each row");
-    out.fill(RowCounts::default());
-}
-
 /// The same, and the words that hold an [open](Word::open) cell, row by row, into `open`. Their lists of cut edges
 /// are left empty.
 ///
@@ -78,6 +43,41 @@ pub fn count_rows_with_open(
     count_rows_at(Level::current(), bits, rows, out, Some(open));
 }
 
+/// Counts only the vertices on edges along x and y of some rows; other counts are 0.
+///
+/// # Panics
+///
+/// As [`count_rows`].
+pub fn count_flat_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_flat_rows_at(Level::current(), bits, rows, out);
+}
+
+fn count_flat_rows_at(level: Level, bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    begin(bits, &rows, out);
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => {
+            level.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            unsafe { count_flat_rows_avx512(bits, rows, out) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            level.assert_available();
+            // SAFETY: as above.
+            unsafe { count_rows_avx2::<true>(bits, rows, out) }
+        }
+        _ => count_rows_plain::<true>(bits, rows, out),
+    }
+}
+
+/// Refuses what does not fit, and makes counts 0.
+fn begin(bits: &BitRows<'_>, rows: &Range<usize>, out: &mut [RowCounts]) {
+    assert!(rows.end <= bits.rows(), "rows {rows:?} of {}", bits.rows());
+    assert_eq!(rows.len(), out.len(), "a count for each row");
+    out.fill(RowCounts::default());
+}
+
 fn count_rows_at(
     level: Level,
     bits: &BitRows<'_>,
@@ -85,7 +85,7 @@ fn count_rows_at(
     out: &mut [RowCounts],
     open: Option<&mut Vec<Word>>,
 ) {
-    check(bits, &rows, out);
+    begin(bits, &rows, out);
     #[cfg(target_arch = "x86_64")]
     if level == Level::Avx512 {
         level.assert_available();
@@ -100,7 +100,7 @@ fn count_rows_at(
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { count_rows_avx2(bits, rows, out) }
+            unsafe { count_rows_avx2::<false>(bits, rows, out) }
         }
         _ => count_rows_plain::<false>(bits, rows, out),
     }
@@ -108,14 +108,12 @@ fn count_rows_at(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn count_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    count_rows_plain::<false>(bits, rows, out);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn count_flat_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
-    count_rows_plain::<true>(bits, rows, out);
+fn count_rows_avx2<const FLAT: bool>(
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    out: &mut [RowCounts],
+) {
+    count_rows_plain::<FLAT>(bits, rows, out);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -280,8 +278,8 @@ mod tests {
                     count_rows_at(level, &bits, own.clone(), &mut found, Some(&mut open));
                     assert_eq!((&found, &open), (&expected, &words), "{level}, {points} points");
                     count_flat_rows_at(level, &bits, own.clone(), &mut found);
-                    let flat = |row: &RowCounts| RowCounts { z: 0, triangles: 0, ..*row };
-                    assert!(found.iter().eq(&expected.iter().map(flat).collect::<Vec<_>>()));
+                    let flat = expected.iter().map(|row| RowCounts { z: 0, triangles: 0, ..*row });
+                    assert!(flat.eq(found.iter().copied()), "flat, {level}, {points} points");
                 }
                 words_of_rows(&bits, own.clone(), &mut words);
                 let mut found = vec![RowCounts::default(); rows];

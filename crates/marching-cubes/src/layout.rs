@@ -89,7 +89,7 @@ impl Layout {
                     return <_>::default();
                 }
                 if z == own.end {
-                    counting.flat(z, slice, &mut scratch);
+                    counting.flat((z, done[z]), slice, &mut scratch);
                     return <_>::default();
                 }
                 let mut special = SpecialCells::default();
@@ -141,7 +141,7 @@ impl Layout {
         self.special.resize_with(own.len(), SpecialCells::default);
         for (z, slice) in (own.start..).zip(self.rows.chunks_exact_mut(ny)) {
             if z == own.end {
-                counting.flat(z, slice, scratch);
+                counting.flat((z, false), slice, scratch);
                 break;
             }
             let special = &mut self.special[z - own.start];
@@ -298,17 +298,23 @@ impl Counting<'_> {
         }
     }
 
-    /// Counts the vertices along x and y that the rows of slice `z` make.
-    fn flat(&self, z: usize, slice: &mut [Row], scratch: &mut Vec<Word>) {
+    /// Counts the vertices along x and y that the rows of slice `z` make, unless all is counted already.
+    fn flat(&self, (z, is_counted): (usize, bool), slice: &mut [Row], scratch: &mut Vec<Word>) {
         if self.skips(z) {
             return;
         }
         let rows = 0..slice.len();
-        if self.takes_all() {
-            return count_flat_rows(&self.planes.inside.slices(z), rows, slice);
+        match (self.takes_all(), is_counted) {
+            (true, true) => {}
+            (true, false) => {
+                return count_flat_rows(&self.planes.inside.slices(z), rows, slice);
+            }
+            // Such slices are never counted before.
+            (false, _) => {
+                words(self.planes, self.live, rows, z, scratch);
+                count_words(scratch, slice);
+            }
         }
-        words(self.planes, self.live, rows, z, scratch);
-        count_words(scratch, slice);
         slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
     }
 

@@ -238,19 +238,18 @@ impl<'a, C: Coordinate> Vertices<'a, C> {
             chunks.try_for_each(|(n, ((places, states), ways))| {
                 job.check()?;
                 let each = places.iter_mut().zip(states).zip(&mut *ways);
-                let step =
-                    |(v, ((place, state), way)): (usize, ((&mut [C; 3], &mut u8), &mut f32))| {
+                exactly(|| {
+                    for (v, ((place, state), way)) in (n * CHUNK..).zip(each) {
                         let from: Vector = place.map(C::into);
                         let to = self.target((v, from), f64::from(*way) * self.unit, ground);
                         (*way, *state) = (0.0, u8::from(to.is_some()));
                         if let Some(to) = to {
                             *place = to.map(C::rounded);
-                            let to = place.map(C::into);
-                            *way =
-                                ((length(sub(to, from)) / self.unit) as f32).max(f32::MIN_POSITIVE);
+                            let moved = length(sub(place.map(C::into), from)) / self.unit;
+                            *way = (moved as f32).max(f32::MIN_POSITIVE);
                         }
-                    };
-                exactly(|| (n * CHUNK..).zip(each).for_each(step));
+                    }
+                });
                 job.progress.advance(ways.len() as u64);
                 Ok::<(), Cancelled>(())
             })

@@ -93,7 +93,7 @@ pub fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
 #[inline(always)]
 pub fn slope_weights<const PAIRS: usize>(s: f64) -> [[[f64; 2]; PAIRS]; PAIRS] {
     let mut sums = [[[0.0; 2]; PAIRS]; PAIRS];
-    for (level, shares) in SLOPES[PAIRS - 1][..PAIRS].iter().enumerate() {
+    for (level, shares) in SLOPES[PAIRS - 2][..PAIRS].iter().enumerate() {
         let weights = match PAIRS - level {
             1 => padded(weights::<1>(s)),
             2 => padded(weights::<2>(s)),
@@ -108,10 +108,9 @@ pub fn slope_weights<const PAIRS: usize>(s: f64) -> [[[f64; 2]; PAIRS]; PAIRS] {
     sums
 }
 
-/// By pairs, less one: of the derivative times 2, 12 or 60 the leading part and each correction, as shares of the
+/// By pairs, less two: of the derivative times 12 or 60 the leading part and each correction, as shares of the
 /// differences over two steps, four and six.
-const SLOPES: [[[f64; 3]; 3]; 3] = [
-    [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]],
+const SLOPES: [[[f64; 3]; 3]; 2] = [
     [[6.0, 0.0, 0.0], [2.0, -1.0, 0.0], [0.0; 3]],
     [[30.0, 0.0, 0.0], [10.0, -5.0, 0.0], [5.0, -4.0, 1.0]],
 ];

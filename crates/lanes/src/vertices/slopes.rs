@@ -20,10 +20,9 @@ const TAME: Range<f64> = 1e-120..1e120;
 /// The most pairs of samples around an edge that a vertex depends on.
 const MOST: usize = 3;
 
-/// By pairs, less one: what part of the derivative times 2, 12 or 60, and of each of its corrections, which are
-/// interpolated from a pair less, are the differences over two steps, four and six.
-const SLOPES: [[[f64; MOST]; MOST]; MOST] = [
-    [[1.0, 0.0, 0.0], [0.0; MOST], [0.0; MOST]],
+/// By pairs, less two: of the derivative times 12 or 60 the leading part and each correction, as shares of the
+/// differences over two steps, four and six.
+const SLOPES: [[[f64; MOST]; MOST]; 2] = [
     [[6.0, 0.0, 0.0], [2.0, -1.0, 0.0], [0.0; MOST]],
     [[30.0, 0.0, 0.0], [10.0, -5.0, 0.0], [5.0, -4.0, 1.0]],
 ];
@@ -210,7 +209,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
 #[inline(always)]
 fn slope_weights<W: Wide, const PAIRS: usize>(wide: W, s: W::F64) -> [[[W::F64; 2]; PAIRS]; PAIRS] {
     let mut sums = [[[wide.f64(0.0); 2]; PAIRS]; PAIRS];
-    for (level, shares) in SLOPES[PAIRS - 1][..PAIRS].iter().enumerate() {
+    for (level, shares) in SLOPES[PAIRS - 2][..PAIRS].iter().enumerate() {
         let weights = weights(wide, PAIRS - level, s);
         for (sums, &share) in sums.iter_mut().zip(shares).take(level + 1) {
             let share = wide.f64(share);

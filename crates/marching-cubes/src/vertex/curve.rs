@@ -370,6 +370,13 @@ mod tests {
     }
 
     #[test]
+    fn an_edge_whose_curve_starts_steep_and_ends_gentle_is_crossed_as_exactly() {
+        // A slope told from before the last step, in place of that at its end, is not good enough here.
+        let (first, after) = (0.272_912_264_485_070_94, -0.228_746_377_004_066_75);
+        assert!(check(&[212.0, first, 65.0, after, 117.0, 83.0]));
+    }
+
+    #[test]
     fn what_is_not_finite_or_rings_has_no_curve() {
         for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for n in 0..6 {

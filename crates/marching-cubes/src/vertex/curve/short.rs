@@ -1,6 +1,6 @@
 //! The short way to where a polynomial crosses its edge: no loop ends sooner for one edge than for another.
 //!
-//! The polynomial is not made one of rise 1 in f64: that would take long divisions. In f32 it is; there its root is
+//! The polynomial is not made one of rise 1 in f64: that would take divisions of f64. In f32 it is; there its root is
 //! found but for what f32 rounds, and in f64 it is corrected by what the polynomial of the values themselves is
 //! there, over a slope in f32. That leaves as much of the error as the slope is wrong, a few millionths. That the
 //! correction is small says that all went well; it is not for fewer than one in a thousand, near to where a
