@@ -78,6 +78,9 @@ pub(crate) struct Room<'a, C> {
     pub(crate) normals: Option<&'a mut [[f32; 3]]>,
 }
 
+/// Some slices, and their part of the output.
+type Task<'a, C> = (Range<usize>, Room<'a, C>, &'a mut [[u32; 3]]);
+
 /// What a task needs beside its part of the output: memory that is used again for every slice.
 #[derive(Default)]
 pub(crate) struct Scratch {
@@ -135,9 +138,8 @@ impl<T: Sample> Fill<'_, T> {
             let own = (after.triangles - before.triangles) as usize;
             tasks.push((first..end, room.split_off(vertices), split_off(&mut triangles, own)));
         }
-        tasks.into_par_iter().try_for_each(|(slices, mut room, mut triangles)| {
+        let fill = |scratch: &mut Scratch, (slices, mut room, mut triangles): Task<'_, C>| {
             job.check()?;
-            let mut scratch = Scratch::default();
             provide(triangles);
             provide(room.positions);
             if let Some(normals) = &mut room.normals {
@@ -145,12 +147,13 @@ impl<T: Sample> Fill<'_, T> {
             }
             exactly(|| {
                 for z in slices {
-                    self.slice(z, &mut room, &mut triangles, &mut scratch);
+                    self.slice(z, &mut room, &mut triangles, scratch);
                     job.progress.advance(1);
                 }
             });
             Ok(())
-        })
+        };
+        tasks.into_par_iter().try_for_each_init(Scratch::default, fill)
     }
 
     /// Fills some slices.
@@ -283,7 +286,7 @@ impl<T: Sample> Fill<'_, T> {
         let first = |y: usize| {
             // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time:
             // all others were looked at before.
-            let row = left.partition_point(|word| word.row <= y);
+            let row = left.iter().take_while(|word| word.row <= y).count();
             self.placer.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
             left = &left[row..];
             self.first_vertices(y, z)

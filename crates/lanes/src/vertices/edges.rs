@@ -7,8 +7,8 @@ use crate::{Level, WORD, Word, word::OWN};
 /// still holds them all.
 const FULL: usize = 1024;
 
-/// Words whose edges are added at a time, at most.
-pub const BLOCK: usize = 16;
+/// Words whose edges are added at a time, at most: so many that what each call costs does not count.
+pub const BLOCK: usize = 64;
 
 /// Room for what a block may add, along two axes, to a queue that is not full.
 const ROOM: usize = FULL + 2 * WORD * BLOCK;
@@ -66,17 +66,16 @@ impl Edges {
         words: &[Word],
     ) -> bool {
         assert!(self.count < FULL && words.len() <= BLOCK && axes.len() <= 2, "room for all edges");
-        for row in words.chunk_by(|a, b| a.row == b.row) {
-            for &axis in axes {
-                match level {
-                    #[cfg(target_arch = "x86_64")]
-                    Level::Avx512 => {
-                        level.assert_available();
-                        // SAFETY: the machine has the level, asserted above; the function asks for room
-                        // besides, which there is for all words and axes.
-                        unsafe { self.push_row_avx512(axis, first, row) }
-                    }
-                    _ => self.push_row_plain(axis, first, row),
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => {
+                level.assert_available();
+                // SAFETY: the machine has the level and there is room for all words and axes, both asserted above.
+                unsafe { self.push_avx512(axes, first, words) }
+            }
+            _ => {
+                for row in words.chunk_by(|a, b| a.row == b.row) {
+                    axes.iter().for_each(|&axis| self.push_row_plain(axis, first, row));
                 }
             }
         }
@@ -102,10 +101,10 @@ impl Edges {
     ///
     /// # Safety
     ///
-    /// There must be room for the edges of all words.
+    /// There must be room for the edges of all words along all axes.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vbmi2")]
-    unsafe fn push_row_avx512(&mut self, axis: usize, [x, y]: [u32; 2], words: &[Word]) {
+    unsafe fn push_avx512(&mut self, axes: &[usize], [x, y]: [u32; 2], words: &[Word]) {
         use std::arch::x86_64::*;
         const PLACES: [u8; WORD] = {
             let mut places = [0; WORD];
@@ -118,28 +117,35 @@ impl Edges {
         };
         // SAFETY: the places fill one register; the load needs no alignment.
         let places = unsafe { _mm512_loadu_epi8(PLACES.as_ptr().cast()) };
-        let Some(word) = words.first() else { return };
-        let y = _mm512_set1_epi32(y.wrapping_add(word.row as u32) as i32);
-        let axes = _mm512_set1_epi32(axis as i32);
         let lists = [self.x.as_mut_ptr(), self.y.as_mut_ptr(), self.axis.as_mut_ptr()];
         let mut end = self.count;
-        for word in words {
-            let cuts = word.cuts[OWN[axis]];
-            let first = _mm512_set1_epi32(x.wrapping_add(word.first as u32) as i32);
-            let mut found = _mm512_maskz_compress_epi8(cuts, places);
-            let count = cuts.count_ones() as usize;
-            for at in (end..end + count).step_by(BATCH) {
-                let low = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(found));
-                found = _mm512_alignr_epi64::<2>(found, found);
-                // SAFETY: before `ROOM` there is room for the edges, as the caller says, and behind it for
-                // the rest of a register.
-                unsafe {
-                    _mm512_storeu_epi32(lists[0].add(at).cast(), _mm512_add_epi32(first, low));
-                    _mm512_storeu_epi32(lists[1].add(at).cast(), y);
-                    _mm512_storeu_epi32(lists[2].add(at).cast(), axes);
+        for row in words.chunk_by(|a, b| a.row == b.row) {
+            let y = _mm512_set1_epi32(y.wrapping_add(row[0].row as u32) as i32);
+            for &axis in axes {
+                let axes = _mm512_set1_epi32(axis as i32);
+                for word in row {
+                    let cuts = word.cuts[OWN[axis]];
+                    let first = _mm512_set1_epi32(x.wrapping_add(word.first as u32) as i32);
+                    let mut found = _mm512_maskz_compress_epi8(cuts, places);
+                    let mut at = end;
+                    end += cuts.count_ones() as usize;
+                    // Most words have one to sixteen; where there is none, what is written is overwritten.
+                    loop {
+                        let low = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(found));
+                        let edges = [_mm512_add_epi32(first, low), y, axes];
+                        for (list, numbers) in lists.iter().zip(edges) {
+                            // SAFETY: before `ROOM` there is room for the edges, as the caller says, and behind
+                            // it for a register.
+                            unsafe { _mm512_storeu_epi32(list.add(at).cast(), numbers) };
+                        }
+                        at += BATCH;
+                        if at >= end {
+                            break;
+                        }
+                        found = _mm512_alignr_epi64::<2>(found, found);
+                    }
                 }
             }
-            end += count;
         }
         self.count = end;
     }
