@@ -16,6 +16,12 @@ impl Found {
         Self { count, first }
     }
 
+    /// The same where what was taken for a row are rows of so many samples, one behind another.
+    pub(crate) fn in_rows_of(self, nx: usize) -> Self {
+        let first = self.first.map(|[i, j, k]| [i % nx, j + i / nx, k]);
+        Self { first, ..self }
+    }
+
     /// Goes on with what comes after.
     pub(crate) fn add(&mut self, more: Self) {
         self.count += more.count;

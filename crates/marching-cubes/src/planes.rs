@@ -6,7 +6,8 @@
 //! are 0.
 
 use crate::{Boundary, sparse::Visits};
-use isokit_lanes::{BitRows, RowCounts, words};
+use isokit_lanes::{BitRows, RowCounts, WORD, words};
+use isokit_volume::{Sample, View};
 use std::{ops::Range, sync::Arc};
 
 mod chosen;
@@ -51,6 +52,16 @@ impl Lattice {
     pub(crate) fn row_of_samples(&self, j: usize) -> Range<usize> {
         let y = j + self.guard;
         y * self.words..(y + 1) * self.words
+    }
+
+    /// The samples of a slice, as one row, where their bits would be the words of the slice: if rows lie one
+    /// behind another and fill all bits of theirs.
+    pub(crate) fn as_one_row<'a, T: Sample>(
+        &self,
+        view: &View<'a, T>,
+        k: usize,
+    ) -> Option<&'a [T]> {
+        view.slice(k).filter(|samples| samples.len() == WORD * self.slice_words())
     }
 
     /// The cells in word `w` of a row: every point but the last is the low corner of one.

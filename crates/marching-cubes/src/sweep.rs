@@ -202,6 +202,13 @@ impl<T: Sample> Sweep<'_, T> {
     fn classify(&self, slices: Range<usize>, bits: &mut [u64], scratch: &mut Vec<T>) -> bool {
         let [nx, ny, _] = self.view.dims();
         for (k, slice) in slices.zip(bits.chunks_exact_mut(self.lattice.slice_words())) {
+            if let Some(row) = self.lattice.as_one_row(&self.view, k) {
+                signs_of_many(row, &self.thresholds, slice, slice.len());
+                if self.stops_at_nan && has_nan(row) {
+                    return false;
+                }
+                continue;
+            }
             for j in 0..ny {
                 let row = self.view.row(j, k).gather(scratch);
                 let out = &mut slice[self.lattice.row_of_samples(j)];

@@ -260,6 +260,19 @@ impl<'a, T: Sample> View<'a, T> {
         }
     }
 
+    /// The samples of slice `k`, row by row, where they lie so in memory.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such slice.
+    pub fn slice(&self, k: usize) -> Option<&'a [T]> {
+        let ([nx, ny, nz], strides) = (self.dims, self.strides);
+        assert!(k < nz, "slice {k} of {nz}");
+        let first = self.place([0, 0, k]);
+        (strides[0] == 1 && strides[1] == nx as isize)
+            .then(|| &self.samples[first..first + nx * ny])
+    }
+
     /// The same lattice as kernels take it. `None` if an axis has 2³¹ samples or more.
     pub fn samples(&self) -> Option<Samples<'a, T>> {
         Samples::new(self.samples, self.first, self.strides, self.dims)
@@ -293,6 +306,28 @@ mod tests {
         assert_eq!(turned.row(2, 1).gather(&mut vec![]), [18, 12, 6, 0]);
         assert_eq!(turned.row(2, 1).part(1..3).gather(&mut vec![]), [12, 6]);
         assert_eq!(plain.row(0, 0).part(1..2).gather(&mut vec![]), [1]);
+    }
+
+    #[test]
+    fn a_slice_is_one_piece_where_its_rows_lie_one_behind_another() {
+        let samples: Vec<u8> = (0..60).collect();
+        let plain = View::new(&samples, &grid([3, 4, 5])).unwrap();
+        assert_eq!(plain.slice(1), Some(&samples[12..24]));
+        assert_eq!(plain.part([0..3, 1..3, 2..5]).unwrap().slice(2), Some(&samples[51..57]));
+        assert_eq!(plain.part([0..2, 0..4, 0..5]).unwrap().slice(2), None);
+        let downwards = View::strided(&samples, 48, [1, 3, -12], &grid([3, 4, 5])).unwrap();
+        assert_eq!(downwards.slice(0), Some(&samples[48..]));
+        for strides in [[-1, 3, 12], [1, -3, 12], [4, 1, 12]] {
+            let first = if strides[0] < 0 {
+                2
+            } else if strides[1] < 0 {
+                9
+            } else {
+                0
+            };
+            let view = View::strided(&samples, first, strides, &grid([3, 4, 5])).unwrap();
+            assert_eq!(view.slice(1), None, "{strides:?}");
+        }
     }
 
     #[test]

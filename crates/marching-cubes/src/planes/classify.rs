@@ -118,6 +118,9 @@ fn planes<T: Sample, E>(
     let fill = |k: usize, slices: &mut [&mut [u64]]| {
         let (mut found, mut scratch) = (Found::default(), vec![]);
         let mut row_of_all = vec![0; count * words(nx)];
+        if let ([slice], Some(row)) = (&mut *slices, lattice.as_one_row(view, k)) {
+            return test(row, [0, k], slice).in_rows_of(nx);
+        }
         for j in 0..ny {
             let row = view.row(j, k).gather(&mut scratch);
             let own = lattice.row_of_samples(j);

@@ -50,6 +50,26 @@ fn an_open_volume_is_its_samples() {
 }
 
 #[test]
+fn rows_of_whole_words_are_their_samples_as_other_rows_are() {
+    let ring = |i: usize| ((i * 7919 % 1009) as f32).sin();
+    for dims in [[64, 3, 2], [128, 5, 3], [64, 1, 1]] {
+        let all = planes(dims, ring, (Boundary::Open, Nan::Error)).unwrap();
+        let [nx, ny, nz] = dims.map(|n| n as usize);
+        for n in 0..nx * ny * nz {
+            let row = all.inside.row(n / nx % ny, n / nx / ny);
+            assert_eq!(bit(row, n % nx), ring(n) >= 0.0, "{dims:?}, sample {n}");
+        }
+        let holes = |i: usize| if i + 40 >= nx * ny * nz { f32::NAN } else { ring(i) };
+        let error = planes(dims, holes, (Boundary::Open, Nan::Error)).unwrap_err();
+        assert_eq!(error, ExtractError::Nan { count: 40, first: [nx - 40, ny - 1, nz - 1] });
+        let masked = planes(dims, holes, (Boundary::Open, Nan::Mask)).unwrap();
+        let missing = masked.missing.unwrap();
+        let last = missing.row(ny - 1, nz - 1);
+        assert!(bit(last, nx - 40) && !bit(last, nx - 41));
+    }
+}
+
+#[test]
 fn nan_is_counted_or_marked_as_the_policy_says() {
     let holes = |i: usize| if i == 5 || i == 70 { f32::NAN } else { 1.0 };
     let error = planes([66, 2, 1], holes, (Boundary::Open, Nan::Error)).unwrap_err();

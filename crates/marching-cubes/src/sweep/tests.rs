@@ -95,8 +95,16 @@ fn a_ball_is_the_same_in_used_memory() {
 
 #[test]
 fn chance_and_ties_are_the_same_in_used_memory_whatever_the_shape() {
-    let shapes =
-        [[1, 1, 1], [3, 3, 1], [2, 2, 2], [66, 3, 5], [5, 4, 33], [63, 2, 19], [3, 64, 18]];
+    let shapes = [
+        [1, 1, 1],
+        [3, 3, 1],
+        [2, 2, 2],
+        [66, 3, 5],
+        [5, 4, 33],
+        [63, 2, 19],
+        [64, 4, 9],
+        [3, 64, 18],
+    ];
     for dims in shapes {
         for options in all_options() {
             check(&volume(dims, |n| (chance(n) % 5) as u8).view(), 2.0, &options);
