@@ -1,5 +1,6 @@
 """Interleaved measuring, and what comes of it. Standard library only."""
 
+import itertools
 import statistics
 import sys
 import time
@@ -18,6 +19,12 @@ ENOUGH = 3.0
 
 MOST = 5
 """And never more than so many times as many rounds."""
+
+PATIENCE = 20.0
+"""Seconds for which rounds follow as long as what they measure is not steady."""
+
+STEADY = 0.1
+"""The middle half of the times of one contender, as a share of their median, if it is."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,12 @@ class Series:
     def median(self) -> float:
         """The middle time."""
         return statistics.median(self.seconds)
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the times are close to each other."""
+        low, middle, high = quartiles(self.seconds)
+        return high - low <= STEADY * middle
 
 
 @dataclass
@@ -121,13 +134,15 @@ class Bench:
         """All entries in turn, round by round: A B C A B C. None for a contender that failed.
 
         A first round is not counted: it starts processes, reads volumes and fills what warm runs
-        reuse. What is short is measured more often: rounds follow each other for `ENOUGH` seconds.
+        reuse. What is short is measured more often: rounds follow each other for `ENOUGH` seconds. What is
+        not steady, as when somebody else takes the machine for a while, is too: for `PATIENCE`.
         """
         taken = [Series(entry.who, entry.volume.name, entry.request) for entry in entries]
         alive = [self._answer(entry) is not None for entry in entries]
         begin = time.monotonic()
-        for number in range(self.rounds if self.quick else MOST * self.rounds):
-            if number >= self.rounds and time.monotonic() - begin > ENOUGH:
+        for number in itertools.count():
+            measured = [one for one, lives in zip(taken, alive, strict=True) if lives]
+            if self._is_enough(number, time.monotonic() - begin, measured):
                 break
             for n, entry in enumerate(entries):
                 answer = self._answer(entry) if alive[n] else None
@@ -137,6 +152,14 @@ class Bench:
         done = [one if lives else None for one, lives in zip(taken, alive, strict=True)]
         self.series += [one for one in done if one]
         return done
+
+    def _is_enough(self, number: int, seconds: float, measured: list[Series]) -> bool:
+        """Whether nothing is to be measured once more after so many rounds."""
+        if number < self.rounds:
+            return False
+        is_over = seconds > ENOUGH or number >= MOST * self.rounds
+        is_settled = seconds > PATIENCE or all(series.is_steady for series in measured)
+        return self.quick or (is_over and is_settled)
 
     def compare(self, ours: Series | None, theirs: Series | None, **line: object) -> None:
         """Adds a line: their time by ours, if more is better, or ours by theirs.

@@ -9,7 +9,7 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-from kit.bench_measure import ENOUGH, MOST, Bench, Result, Series, quartiles
+from kit.bench_measure import ENOUGH, MOST, PATIENCE, STEADY, Bench, Result, Series, quartiles
 
 SECTIONS = {
     "synthetic": "Against VTK Flying Edges",
@@ -47,7 +47,9 @@ def rounds(bench: Bench) -> str:
     """How often things are measured, for people."""
     least = f"{bench.rounds} rounds"
     more = f", up to {MOST * bench.rounds} where they are over in {ENOUGH:.0f} s"
-    return least if bench.quick else least + more
+    steady = f"until the middle half of times is no wider than {STEADY:.0%}"
+    longer = f", for up to {PATIENCE:.0f} s {steady}"
+    return least if bench.quick else least + more + longer
 
 
 def write(bench: Bench, facts: dict, folder: Path, warning: str) -> None:
