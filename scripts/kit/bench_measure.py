@@ -21,7 +21,10 @@ MOST = 5
 """And never more than so many times as many rounds."""
 
 PATIENCE = 20.0
-"""Seconds for which rounds follow as long as what they measure is not steady."""
+"""Seconds in all for which rounds follow while what they measure is not steady."""
+
+MOST_UNSTEADY = 20
+"""And then never more than so many times as many rounds."""
 
 STEADY = 0.1
 """The middle half of the times of one contender, as a share of their median, if it is."""
@@ -135,7 +138,7 @@ class Bench:
 
         A first round is not counted: it starts processes, reads volumes and fills what warm runs
         reuse. What is short is measured more often: rounds follow each other for `ENOUGH` seconds. What is
-        not steady, as when somebody else takes the machine for a while, is too: for `PATIENCE`.
+        not steady, as when somebody else takes the machine for a while, is too: until `PATIENCE` is over.
         """
         taken = [Series(entry.who, entry.volume.name, entry.request) for entry in entries]
         alive = [self._answer(entry) is not None for entry in entries]
@@ -157,9 +160,10 @@ class Bench:
         """Whether nothing is to be measured once more after so many rounds."""
         if number < self.rounds:
             return False
+        if self.quick or seconds > PATIENCE or number >= MOST_UNSTEADY * self.rounds:
+            return True
         is_over = seconds > ENOUGH or number >= MOST * self.rounds
-        is_settled = seconds > PATIENCE or all(series.is_steady for series in measured)
-        return self.quick or (is_over and is_settled)
+        return is_over and all(series.is_steady for series in measured)
 
     def compare(self, ours: Series | None, theirs: Series | None, **line: object) -> None:
         """Adds a line: their time by ours, if more is better, or ours by theirs.

@@ -47,9 +47,9 @@ def rounds(bench: Bench) -> str:
     """How often things are measured, for people."""
     least = f"{bench.rounds} rounds"
     more = f", up to {MOST * bench.rounds} where they are over in {ENOUGH:.0f} s"
-    steady = f"until the middle half of times is no wider than {STEADY:.0%}"
-    longer = f", for up to {PATIENCE:.0f} s {steady}"
-    return least if bench.quick else least + more + longer
+    unsteady = f"; while the middle half of times is wider than {STEADY:.0%} of their median"
+    longer = f", more, for up to {PATIENCE:.0f} s in all"
+    return least if bench.quick else least + more + unsteady + longer
 
 
 def write(bench: Bench, facts: dict, folder: Path, warning: str) -> None:

@@ -136,8 +136,10 @@ def modes(bench: Bench, store: Store) -> None:
     for n, (option, _, normals, limits) in enumerate(changes):
         if len(seconds[n]) > 1:
             sides = zip(*seconds[n], strict=True)
-            # As many rounds as the scan with the fewest has.
-            ours, theirs = ([sum(runs) for runs in zip(*side, strict=False)] for side in sides)
+            # The last rounds, as many as the scan with the fewest has.
+            rounds = min(len(series) for series, _ in seconds[n])
+            last = ([series[-rounds:] for series in side] for side in sides)
+            ours, theirs = ([sum(runs) for runs in zip(*side, strict=True)] for side in last)
             bench.add(
                 [a / b for a, b in zip(ours, theirs, strict=True)],
                 f"{1e3 * median(ours):.1f} ms",

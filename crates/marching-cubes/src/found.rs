@@ -16,9 +16,10 @@ impl Found {
         Self { count, first }
     }
 
-    /// The same where what was taken for a row are rows of so many samples, one behind another.
-    pub(crate) fn in_rows_of(self, nx: usize) -> Self {
-        let first = self.first.map(|[i, j, k]| [i % nx, j + i / nx, k]);
+    /// The same where what was taken for a row are samples of rows of `nx` from this one on, as if all were one.
+    pub(crate) fn placed_from(self, start: usize, nx: usize) -> Self {
+        let place = |[i, j, k]: [usize; 3]| [(start + i) % nx, j + (start + i) / nx, k];
+        let first = self.first.map(place);
         Self { first, ..self }
     }
 

@@ -55,7 +55,7 @@ impl Lattice {
     }
 
     /// The samples of a slice, as one row, where their bits would be the words of the slice: if rows lie one
-    /// behind another and fill all bits of theirs.
+    /// behind another and fill all bits of theirs. They are best looked at [`AT_ONCE`].
     pub(crate) fn as_one_row<'a, T: Sample>(
         &self,
         view: &View<'a, T>,
@@ -73,6 +73,9 @@ impl Lattice {
         }
     }
 }
+
+/// Samples, whole words of them, that stay in the first cache while they are looked at more than once.
+pub(crate) const AT_ONCE: usize = 64 * WORD;
 
 /// Moves the bits of a row of samples behind a guard.
 #[inline(always)]

@@ -92,6 +92,7 @@ pub fn weights<const PAIRS: usize>(s: f64) -> [[f64; 2]; PAIRS] {
 /// each n more.
 #[inline(always)]
 pub fn slope_weights<const PAIRS: usize>(s: f64) -> [[[f64; 2]; PAIRS]; PAIRS] {
+    const { assert!(PAIRS == 2 || PAIRS == 3, "two pairs or three") };
     let mut sums = [[[0.0; 2]; PAIRS]; PAIRS];
     for (level, shares) in SLOPES[PAIRS - 2][..PAIRS].iter().enumerate() {
         let weights = match PAIRS - level {

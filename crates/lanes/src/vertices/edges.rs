@@ -4,7 +4,7 @@ use super::wide::BATCH;
 use crate::{Level, WORD, Word, word::OWN};
 
 /// With so many edges or more the queue is to be emptied: calls cost nothing then, and the first cache
-/// still holds them all.
+/// still holds them all, but for those of dense words.
 const FULL: usize = 1024;
 
 /// Words whose edges are added at a time, at most: so many that what each call costs does not count.
@@ -129,7 +129,8 @@ impl Edges {
                     let mut found = _mm512_maskz_compress_epi8(cuts, places);
                     let mut at = end;
                     end += cuts.count_ones() as usize;
-                    // Most words have one to sixteen; where there is none, what is written is overwritten.
+                    // Most words have one to sixteen; where there is none, what is written is overwritten or
+                    // stays behind the end.
                     loop {
                         let low = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(found));
                         let edges = [_mm512_add_epi32(first, low), y, axes];
@@ -171,7 +172,7 @@ impl Edges {
     }
 
     /// Axes, x and y of the lower ends of the batch that begins with edge `first`. After the last edge
-    /// others follow that once were there.
+    /// any numbers follow.
     #[inline(always)]
     pub(super) fn batch(&self, first: usize) -> [&[u32; BATCH]; 3] {
         [batch(&self.axis, first), batch(&self.x, first), batch(&self.y, first)]

@@ -208,6 +208,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
 /// `volume` has them.
 #[inline(always)]
 fn slope_weights<W: Wide, const PAIRS: usize>(wide: W, s: W::F64) -> [[[W::F64; 2]; PAIRS]; PAIRS] {
+    const { assert!(PAIRS == 2 || PAIRS == 3, "two pairs or three") };
     let mut sums = [[[wide.f64(0.0); 2]; PAIRS]; PAIRS];
     for (level, shares) in SLOPES[PAIRS - 2][..PAIRS].iter().enumerate() {
         let weights = weights(wide, PAIRS - level, s);

@@ -221,6 +221,30 @@ fn edges_come_row_by_row_axis_by_axis_in_the_order_of_their_bits() {
 }
 
 #[test]
+fn a_queue_one_edge_from_full_takes_the_fullest_block() {
+    let word = |cuts: u64, n: usize| Word { cuts: [cuts; 8], row: n, ..Word::default() };
+    let before: Vec<Word> = (0..16).map(|n| word(u64::MAX >> (n / 15), n)).collect();
+    // The block ends with words that cut something, or with words that do not.
+    for blank in [0, 1, 5] {
+        let cuts = |n: usize| if n + blank < BLOCK { u64::MAX } else { 0 };
+        let block: Vec<Word> = (0..BLOCK).map(|n| word(cuts(n), 20 + n)).collect();
+        for &level in Level::available() {
+            let mut edges = Edges::default();
+            assert!(!edges.push_at(level, &[2], [0; 2], &before));
+            assert_eq!(edges.len(), 1023);
+            assert!(edges.push_at(level, &[0, 1], [0; 2], &block));
+            let expected = 1023 + 128 * (BLOCK - blank);
+            assert_eq!(edges.len(), expected, "{level}");
+            for n in 1023..expected {
+                let at = n - 1023;
+                let place = [at as u32 % 64, 20 + at as u32 / 128, 0];
+                assert_eq!(edges.get(n), (at / 64 % 2, place), "{level}, {n}");
+            }
+        }
+    }
+}
+
+#[test]
 fn samples_are_refused_that_do_not_fill_their_lattice() {
     let all = [0_u8; 24];
     assert!(Samples::new(&all, 0, [1, 2, 6], [2, 3, 4]).is_some());

@@ -1,6 +1,6 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Counted, Lattice, Plane, Planes, behind_guard, chosen::chosen};
+use super::{AT_ONCE, Counted, Lattice, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{
@@ -105,7 +105,7 @@ fn missing<T: Sample, E: Send>(
 }
 
 /// `count` planes at once, by `test`, which is given a row, its place, and room for the words of all
-/// planes, one after another.
+/// planes, one after another; of a single plane it may be part of a slice as if that were one row.
 fn planes<T: Sample, E>(
     view: &View<'_, T>,
     lattice: Lattice,
@@ -117,10 +117,14 @@ fn planes<T: Sample, E>(
     let [nx, ny, _] = view.dims();
     let fill = |k: usize, slices: &mut [&mut [u64]]| {
         let (mut found, mut scratch) = (Found::default(), vec![]);
-        let mut row_of_all = vec![0; count * words(nx)];
-        if let ([slice], Some(row)) = (&mut *slices, lattice.as_one_row(view, k)) {
-            return test(row, [0, k], slice).in_rows_of(nx);
+        if let ([slice], Some(all)) = (&mut *slices, lattice.as_one_row(view, k)) {
+            let pieces = all.chunks(AT_ONCE).zip(slice.chunks_mut(words(AT_ONCE)));
+            for (n, (row, out)) in pieces.enumerate() {
+                found.add(test(row, [0, k], out).placed_from(n * AT_ONCE, nx));
+            }
+            return found;
         }
+        let mut row_of_all = vec![0; count * words(nx)];
         for j in 0..ny {
             let row = view.row(j, k).gather(&mut scratch);
             let own = lattice.row_of_samples(j);

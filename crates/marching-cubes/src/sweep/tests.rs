@@ -131,16 +131,21 @@ fn samples_in_any_order_are_the_same_in_used_memory() {
 
 #[test]
 fn samples_without_a_value_are_the_same_in_used_memory_and_forbidden_ones_an_error() {
-    for holes in [5, 700] {
+    let closed = ExtractOptions::DEFAULT;
+    let open = closed.clone().with_boundary(Boundary::Open);
+    for (holes, (dims, options)) in [5, 700]
+        .into_iter()
+        .flat_map(|n| [([9, 8, 24], &closed), ([64, 3, 9], &open)].map(|c| (n, c)))
+    {
         let sample = |n| match chance(n) % holes {
             0 => f32::NAN,
             _ => (chance(n) % 11) as f32,
         };
-        let volume = volume([9, 8, 24], sample);
+        let volume = volume(dims, sample);
         for nan in [Nan::Outside, Nan::Mask] {
-            check(&volume.view(), 5.0, &ExtractOptions::DEFAULT.with_nan(nan));
+            check(&volume.view(), 5.0, &options.clone().with_nan(nan));
         }
-        let options = ExtractOptions::DEFAULT.with_nan(Nan::Error);
+        let options = options.clone().with_nan(Nan::Error);
         let mut mesh = used(9000, 9000, Precision::F32);
         let found = extract_into(&volume.view(), 5.0, &options, &mut mesh.refill(), &job(2));
         let count = volume.samples().iter().filter(|sample| sample.is_nan()).count() as u64;

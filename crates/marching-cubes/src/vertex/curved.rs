@@ -78,7 +78,8 @@ impl<T: Sample> Placer<'_, T> {
         for (part, gradient) in gradient.iter_mut().enumerate() {
             for (n, weights) in weights.iter().enumerate() {
                 let (apart, pairs) = (n + 1, PAIRS - n);
-                // Beyond the border all are told from as many samples: in a correction what is wrong is to cancel.
+                // Where a stencil leaves the lattice all differences are continued from as many samples as
+                // those over two steps: what that gets wrong then cancels in a correction.
                 let is_within = after >= pairs && after + pairs <= size;
                 let reach = if is_within { pairs } else { PAIRS };
                 let mut around = [0.0; MOST];
