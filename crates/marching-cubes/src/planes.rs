@@ -54,14 +54,16 @@ impl Lattice {
         y * self.words..(y + 1) * self.words
     }
 
-    /// The samples of a slice, as one row, where their bits would be the words of the slice: if rows lie one
-    /// behind another and fill all bits of theirs. They are best looked at [`AT_ONCE`].
-    pub(crate) fn as_one_row<'a, T: Sample>(
+    /// The samples of a slice and their words, as one long row, where the rows lie one behind another and fill all
+    /// bits of theirs; in pieces of [`PIECE`] samples, which stay in the first cache.
+    pub(crate) fn as_one_row<'a, 'w, T: Sample>(
         &self,
         view: &View<'a, T>,
         k: usize,
-    ) -> Option<&'a [T]> {
-        view.slice(k).filter(|samples| samples.len() == WORD * self.slice_words())
+        words: &'w mut [u64],
+    ) -> Option<impl Iterator<Item = (&'a [T], &'w mut [u64])>> {
+        let samples = view.slice(k).filter(|all| all.len() == WORD * self.slice_words())?;
+        Some(samples.chunks(PIECE).zip(words.chunks_mut(PIECE / WORD)))
     }
 
     /// The cells in word `w` of a row: every point but the last is the low corner of one.
@@ -74,8 +76,8 @@ impl Lattice {
     }
 }
 
-/// Samples, whole words of them, that stay in the first cache while they are looked at more than once.
-pub(crate) const AT_ONCE: usize = 64 * WORD;
+/// Samples of a piece of a slice that is one long row.
+const PIECE: usize = 64 * WORD;
 
 /// Moves the bits of a row of samples behind a guard.
 #[inline(always)]

@@ -13,7 +13,7 @@
 use crate::{
     fill::{Fill, Rest, Scratch, Winding},
     layout::{Layout, Row, check_size},
-    planes::{AT_ONCE, Lattice, Planes, behind_guard},
+    planes::{Lattice, Planes, behind_guard},
     trilinear::Values,
     vertex::Placer,
 };
@@ -202,10 +202,10 @@ impl<T: Sample> Sweep<'_, T> {
     fn classify(&self, slices: Range<usize>, bits: &mut [u64], scratch: &mut Vec<T>) -> bool {
         let [nx, ny, _] = self.view.dims();
         for (k, slice) in slices.zip(bits.chunks_exact_mut(self.lattice.slice_words())) {
-            if let Some(all) = self.lattice.as_one_row(&self.view, k) {
-                for (row, out) in all.chunks(AT_ONCE).zip(slice.chunks_mut(words(AT_ONCE))) {
-                    signs_of_many(row, &self.thresholds, out, out.len());
-                    if self.stops_at_nan && has_nan(row) {
+            if let Some(pieces) = self.lattice.as_one_row(&self.view, k, slice) {
+                for (piece, out) in pieces {
+                    signs_of_many(piece, &self.thresholds, out, out.len());
+                    if self.stops_at_nan && has_nan(piece) {
                         return false;
                     }
                 }

@@ -1,6 +1,6 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{AT_ONCE, Counted, Lattice, Plane, Planes, behind_guard, chosen::chosen};
+use super::{Counted, Lattice, PIECE, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{
@@ -117,10 +117,11 @@ fn planes<T: Sample, E>(
     let [nx, ny, _] = view.dims();
     let fill = |k: usize, slices: &mut [&mut [u64]]| {
         let (mut found, mut scratch) = (Found::default(), vec![]);
-        if let ([slice], Some(all)) = (&mut *slices, lattice.as_one_row(view, k)) {
-            let pieces = all.chunks(AT_ONCE).zip(slice.chunks_mut(words(AT_ONCE)));
-            for (n, (row, out)) in pieces.enumerate() {
-                found.add(test(row, [0, k], out).placed_from(n * AT_ONCE, nx));
+        if let [slice] = slices
+            && let Some(pieces) = lattice.as_one_row(view, k, slice)
+        {
+            for (n, (piece, out)) in pieces.enumerate() {
+                found.add(test(piece, [0, k], out).placed_from(n * PIECE, nx));
             }
             return found;
         }

@@ -131,12 +131,13 @@ fn samples_in_any_order_are_the_same_in_used_memory() {
 
 #[test]
 fn samples_without_a_value_are_the_same_in_used_memory_and_forbidden_ones_an_error() {
-    let closed = ExtractOptions::DEFAULT;
-    let open = closed.clone().with_boundary(Boundary::Open);
-    for (holes, (dims, options)) in [5, 700]
-        .into_iter()
-        .flat_map(|n| [([9, 8, 24], &closed), ([64, 3, 9], &open)].map(|c| (n, c)))
-    {
+    let of = |boundary| ExtractOptions::DEFAULT.with_boundary(boundary);
+    for (holes, dims, options) in [
+        (5, [9, 8, 24], of(Boundary::Closed)),
+        (700, [9, 8, 24], of(Boundary::Closed)),
+        (5, [64, 3, 9], of(Boundary::Open)),
+        (700, [64, 3, 9], of(Boundary::Open)),
+    ] {
         let sample = |n| match chance(n) % holes {
             0 => f32::NAN,
             _ => (chance(n) % 11) as f32,
