@@ -13,6 +13,7 @@
 //!
 //! `curves.rs` places vertices on cubics and quintics, with normals of a high order.
 
+mod around;
 mod curves;
 mod edges;
 mod field;
@@ -28,7 +29,7 @@ pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;
 
 use crate::{Lane, Level, Samples};
-use wide::{BATCH, Float, Task, Wide, run_at};
+use wide::{BATCH, Float, Mask, Task, Wide, run_at};
 
 /// The greatest part of a gradient of differences, so that no part of any weight has lost a digit: from 2⁻⁶⁰
 /// to 2¹²⁰.
@@ -75,24 +76,6 @@ struct Kernel<'b, 'a, T> {
     field: &'b Field,
     directions: [[f32; 3]; 3],
     edges: &'b Edges,
-}
-
-/// The edges of a batch: the places of both ends along x, y, z, and what is true of each edge.
-struct Batch<W: Wide> {
-    axis: W::U32,
-    low: [W::U32; 3],
-    high: [W::U32; 3],
-    /// The lower end is not a sample, or the upper one.
-    is_outside: u16,
-    /// Both ends have both neighbours along every axis.
-    is_inner: bool,
-}
-
-/// The samples at both ends of each edge, and the differences of their neighbours along x, y, z: those
-/// two steps apart, and at a border twice those one step apart. No differences where none are wanted.
-struct Around<W: Wide, E: Exact> {
-    ends: [E::Of<W>; 2],
-    differences: Option<[[W::F32; 3]; 2]>,
 }
 
 /// All vertices of linear interpolation.
@@ -151,10 +134,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         normals: Option<&mut [[f32; 3]; BATCH]>,
     ) -> u16 {
         let batch = self.ends(wide, first);
-        let around = match batch.is_inner && self.samples.is_near(1) {
-            true => self.inner(wide, &batch, normals.is_some()),
-            false => self.border(wide, &batch, normals.is_some()),
-        };
+        let around = self.around(wide, &batch, normals.is_some());
         let (a, b) = (self.above_iso(wide, around.ends[0]), self.above_iso(wide, around.ends[1]));
         let (difference, half, reach) = (a - b, wide.f64(0.5), self.field.reach);
         let delta = (a + b) / difference * half;
@@ -162,10 +142,10 @@ impl<T: Lane> Kernel<'_, '_, T> {
         C::write(wide, self.field.places(wide, batch.axis, batch.low, delta), positions);
         let infinite = wide.f64(f64::INFINITY);
         let is_finite = difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference);
-        let mut is_odd = batch.is_outside | !is_finite;
-        if let (Some(normals), Some(differences)) = (normals, around.differences) {
+        let mut is_odd = batch.is_outside | !is_finite.bits();
+        if let Some(normals) = normals {
             let share = wide.f64_to_f32(half + delta);
-            is_odd |= self.write_normals(wide, differences, share, normals);
+            is_odd |= self.write_normals(wide, around.differences, share, normals);
         }
         is_odd
     }
@@ -180,138 +160,6 @@ impl<T: Lane> Kernel<'_, '_, T> {
             value = value * wide.f64(slope) + wide.f64(intercept);
         }
         value - wide.f64(iso)
-    }
-
-    /// Both ends of the edges of a batch.
-    #[inline(always)]
-    fn ends<W: Wide>(&self, wide: W, first: usize) -> Batch<W> {
-        let [axis, x, y] = self.edges.batch(first);
-        let (axis, low) = (wide.load(axis), [wide.load(x), wide.load(y), wide.u32(self.edges.z())]);
-        let (zero, one) = (wide.u32(0), wide.u32(1));
-        let mut high = low;
-        let (mut is_sample, mut is_inner) = (u16::MAX, u16::MAX);
-        for along in 0..3 {
-            let is_along = wide.equal(axis, wide.u32(along as u32));
-            high[along] = low[along] + wide.select(is_along, one, zero);
-            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them.
-            let size = self.samples.dims()[along];
-            let within = wide.u32(size.saturating_sub(2));
-            for end in [low[along], high[along]] {
-                is_sample &= wide.less(end, wide.u32(size));
-                is_inner &= wide.less(end + wide.u32(u32::MAX), within);
-            }
-        }
-        Batch { axis, low, high, is_outside: !is_sample, is_inner: is_inner == u16::MAX }
-    }
-
-    /// What is around edges that are all inner ones.
-    #[inline(always)]
-    fn inner<W: Wide>(
-        &self,
-        wide: W,
-        batch: &Batch<W>,
-        with_differences: bool,
-    ) -> Around<W, T::Exact> {
-        let strides = self.samples.strides();
-        // Numbers in a slice fit, as `is_near` says.
-        let steps = [wide.u32(strides[0] as u32), wide.u32(strides[1] as u32)];
-        let low = batch.low[0] * steps[0] + batch.low[1] * steps[1];
-        let mut step = wide.u32(strides[2] as u32);
-        step = wide.select(wide.equal(batch.axis, wide.u32(1)), steps[1], step);
-        step = wide.select(wide.equal(batch.axis, wide.u32(0)), steps[0], step);
-        let ends = [low, low + step];
-        let slice = self.samples.first() + i64::from(self.edges.z()) * strides[2];
-        // SAFETY: both ends of every edge are samples, and so are their neighbours along every axis.
-        unsafe {
-            Around {
-                ends: [
-                    wide.near(self.samples, slice, ends[0]),
-                    wide.near(self.samples, slice, ends[1]),
-                ],
-                differences: match with_differences {
-                    true => Some([
-                        self.differences(wide, slice, ends[0]),
-                        self.differences(wide, slice, ends[1]),
-                    ]),
-                    false => None,
-                },
-            }
-        }
-    }
-
-    /// The differences between the neighbours of samples, along x, y, z.
-    ///
-    /// # Safety
-    ///
-    /// Each sample must have them.
-    #[inline(always)]
-    unsafe fn differences<W: Wide>(&self, wide: W, from: i64, at: W::U32) -> [W::F32; 3] {
-        let mut differences = [wide.f32(0.0); 3];
-        for (difference, stride) in differences.iter_mut().zip(self.samples.strides()) {
-            // SAFETY: the caller says so.
-            let [above, below] = unsafe {
-                [
-                    wide.near(self.samples, from + stride, at),
-                    wide.near(self.samples, from - stride, at),
-                ]
-            };
-            *difference = T::Exact::difference(wide, above, below);
-        }
-        differences
-    }
-
-    /// What is around any edges. Instead of one that lies outside the first sample is looked at.
-    #[inline(always)]
-    fn border<W: Wide>(
-        &self,
-        wide: W,
-        batch: &Batch<W>,
-        with_differences: bool,
-    ) -> Around<W, T::Exact> {
-        let mut samples = [[T::Exact::default(); BATCH]; 2];
-        let mut steps = [[[[T::Exact::default(); BATCH]; 2]; 3]; 2];
-        let mut scales = [[[1.0; BATCH]; 3]; 2];
-        for (end, places) in [batch.low, batch.high].into_iter().enumerate() {
-            let [x, y, z] = [wide.store(places[0]), wide.store(places[1]), wide.store(places[2])];
-            for n in 0..BATCH {
-                let is_outside = batch.is_outside >> n & 1 == 1;
-                let place = if is_outside { [0; 3] } else { [x[n], y[n], z[n]] };
-                samples[end][n] = self.sample(place);
-                for along in 0..if with_differences { 3 } else { 0 } {
-                    let last = self.samples.dims()[along] - 1;
-                    let to = [(place[along] + 1).min(last), place[along].saturating_sub(1)];
-                    for (step, to) in to.into_iter().enumerate() {
-                        let mut moved = place;
-                        moved[along] = to;
-                        steps[end][along][step][n] = self.sample(moved);
-                    }
-                    if to[0] - to[1] < 2 {
-                        scales[end][along][n] = 2.0;
-                    }
-                }
-            }
-        }
-        let mut differences = [[wide.f32(0.0); 3]; 2];
-        for (end, along) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)] {
-            let [above, below] = &steps[end][along];
-            let (above, below) = (T::Exact::load(wide, above), T::Exact::load(wide, below));
-            let difference = T::Exact::difference(wide, above, below);
-            differences[end][along] = difference * wide.load_f32(&scales[end][along]);
-        }
-        Around {
-            ends: [T::Exact::load(wide, &samples[0]), T::Exact::load(wide, &samples[1])],
-            differences: if with_differences { Some(differences) } else { None },
-        }
-    }
-
-    #[inline(always)]
-    fn sample(&self, place: [u32; 3]) -> T::Exact {
-        let (dims, strides) = (self.samples.dims(), self.samples.strides());
-        debug_assert!(place.iter().zip(dims).all(|(&place, size)| place < size), "{place:?}");
-        let along = |axis: usize| i64::from(place[axis]) * strides[axis];
-        let number = self.samples.first() + along(0) + along(1) + along(2);
-        // SAFETY: `place` is a lattice point, whose sample lies in the slice.
-        unsafe { *self.samples.all().get_unchecked(number as usize) }.exact()
     }
 
     /// The normals of gradients between those of the ends; the bits of those that are odd.
@@ -348,6 +196,6 @@ impl<T: Lane> Kernel<'_, '_, T> {
         wide.interleave([world[0] * outward, world[1] * outward, world[2] * outward], out);
         let is_tame = greatest.less(wide.f32(TAME.end)) & !greatest.less(wide.f32(TAME.start));
         // A part that is NaN may hide behind the greatest of the others, not in the sum of squares.
-        !(is_tame & square.less(wide.f32(16.0)))
+        !(is_tame & square.less(wide.f32(16.0))).bits()
     }
 }

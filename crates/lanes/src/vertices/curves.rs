@@ -10,10 +10,11 @@
 //! the caller.
 
 use super::{
-    Batch, Field, Kernel, Vertices,
+    Field, Kernel, Vertices,
+    around::Batch,
     roots::{Roots, Search},
     slopes::Turning,
-    wide::{BATCH, Task, Wide, run_at},
+    wide::{BATCH, Mask, Task, Wide, run_at},
 };
 use crate::{Coordinate, Edges, Lane, Level, Samples};
 
@@ -238,7 +239,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
             numbers[n] = numbers[n - 1] + step;
         }
         // Inner edges have one neighbour on either side.
-        let is_odd = match batch.is_inner && pairs == 2 {
+        let is_odd = match batch.is_inner == u16::MAX && pairs == 2 {
             true => 0,
             false => !self.can_load(wide, &batch, slice, &numbers),
         };
@@ -250,7 +251,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
             let kept = is_odd.trailing_ones() as usize;
             for number in &mut numbers {
                 let other = wide.u32(wide.store(*number)[kept]);
-                *number = wide.select(is_odd, other, *number);
+                *number = wide.select(wide.mask(is_odd), other, *number);
             }
         }
         for (value, number) in values.iter_mut().zip(numbers) {
@@ -288,13 +289,13 @@ impl<T: Lane> Kernel<'_, '_, T> {
     /// each with four bytes from it on.
     #[inline(always)]
     fn can_load<W: Wide>(&self, wide: W, batch: &Batch<W>, slice: i64, numbers: &[W::U32]) -> u16 {
-        let (mut can_load, margin) = (!batch.is_outside, numbers.len() as u32 / 2 - 1);
+        let (mut can_load, margin) = (wide.mask(!batch.is_outside), numbers.len() as u32 / 2 - 1);
         for axis in 0..3 {
             let is_along = wide.equal(batch.axis, wide.u32(axis as u32));
             // A wrapped −1 is beyond all sizes, and −2 too.
             let within = wide.u32(self.samples.dims()[axis].saturating_sub(2 * margin + 1));
             let less = wide.u32(margin.wrapping_neg());
-            can_load &= wide.less(batch.low[axis] + less, within) | !is_along;
+            can_load = can_load & (wide.less(batch.low[axis] + less, within) | !is_along);
         }
         let reach = 4_usize.div_ceil(size_of::<T>());
         let end = self.samples.all().len() as i64 - reach as i64 - slice + 1;
@@ -302,8 +303,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let least = i64::from(i32::MIN);
         let end = end.clamp(least, i32::MAX.into()) - least;
         for number in [numbers[0], numbers[numbers.len() - 1]] {
-            can_load &= wide.less(number + wide.u32(1 << 31), wide.u32(end as u32));
+            can_load = can_load & wide.less(number + wide.u32(1 << 31), wide.u32(end as u32));
         }
-        can_load
+        can_load.bits()
     }
 }

@@ -9,7 +9,7 @@
 
 use super::{
     curves::Line,
-    wide::{BATCH, Float, Task, Wide},
+    wide::{BATCH, Float, Mask, Task, Wide},
 };
 use std::ops::Range;
 
@@ -102,7 +102,7 @@ impl Search {
         let a = wide.load_f64(&line.values[PAIRS - 1]);
         let b = wide.load_f64(&line.values[PAIRS]);
         let (sum, rise) = (a + b, b - a);
-        self.is_end = !(a * b).less(zero);
+        self.is_end = (!(a * b).less(zero)).bits();
         let below = wide.load_f64(&line.values[PAIRS - 2]);
         let above = wide.load_f64(&line.values[PAIRS + 1]);
         let even = below + above;
@@ -120,9 +120,10 @@ impl Search {
         let narrow_rise = wide.f64_to_f32(rise);
         let scale = wide.f32(1.0) / narrow_rise;
         let size = narrow_rise.abs();
-        self.is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
+        let is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
+        self.is_tame = is_tame.bits();
         let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
-        self.is_low = straight.less(wide.f32(0.0));
+        self.is_low = straight.less(wide.f32(0.0)).bits();
         let mut narrow = [straight; 4];
         for n in 0..2 * PAIRS - 2 {
             narrow[n] = wide.f64_to_f32(parts[n]) * scale;
@@ -170,7 +171,7 @@ impl Search {
         let [_, slope, _] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
         let one = wide.f32(1.0);
         let is_near = (one - slope * factor).abs().less(wide.f32(1.0 / 32.0));
-        self.is_good = wide.f32(0.0).less(slope) & is_near;
+        self.is_good = (wide.f32(0.0).less(slope) & is_near).bits();
         wide.store_f32(one / slope, &mut self.factor);
     }
 
@@ -194,11 +195,12 @@ impl Search {
         let value = (s * rise + sum * half) + (square - wide.f64(0.25)) * (a + s * b);
         let step = value * wide.f32_to_f64(factor);
         let s = s - step;
-        let is_found = self.is_good & step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
+        let is_small = step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
+        let is_found = self.is_good & is_small.bits();
         line.is_odd |= !(self.is_tame & (self.is_end | is_found));
         // Where an end is the isovalue there is nothing to search.
-        let end = wide.select_f64(self.is_low, wide.f64(-0.5), half);
-        wide.select_f64(self.is_end, end, s)
+        let end = wide.select_f64(wide.mask(self.is_low), wide.f64(-0.5), half);
+        wide.select_f64(wide.mask(self.is_end), end, s)
     }
 }
 
@@ -223,7 +225,7 @@ impl<W: Wide> Curves<W> {
 
     /// Makes straight lines of those that are not plain.
     #[inline(always)]
-    fn straighten<const PAIRS: usize>(&mut self, wide: W, is_plain: u16, straight: W::F32) {
+    fn straighten<const PAIRS: usize>(&mut self, wide: W, is_plain: W::Mask, straight: W::F32) {
         self.fall = wide.select_f32(is_plain, self.fall, straight);
         self.c[0] = wide.select_f32(is_plain, self.c[0], wide.f32(1.0));
         for n in 1..2 * PAIRS - 1 {
@@ -233,7 +235,7 @@ impl<W: Wide> Curves<W> {
 
     /// Those that are monotone on the edge, or convex or concave.
     #[inline(always)]
-    fn is_plain<const PAIRS: usize>(&self, wide: W) -> u16 {
+    fn is_plain<const PAIRS: usize>(&self, wide: W) -> W::Mask {
         let [c1, c2, c3, c4, c5] = self.c;
         let (zero, one, half, three) = (wide.f32(0.0), wide.f32(1.0), wide.f32(0.5), wide.f32(3.0));
         if PAIRS == 2 {
@@ -257,13 +259,14 @@ impl<W: Wide> Curves<W> {
             (d1 + d3, (one + third) * d2),
             (d1 + three * d3, (d2 + d2) + wide.f32(4.0) * d4),
         ];
-        let (mut falls, mut bends_down, mut bends_up) = (0, 0, 0);
+        let none = wide.mask(0);
+        let (mut falls, mut bends_down, mut bends_up) = (none, none, none);
         for (even, odd) in rising {
-            falls |= (even - odd.abs()).less(zero);
+            falls = falls | (even - odd.abs()).less(zero);
         }
         for (even, odd) in bending {
-            bends_down |= (even - odd.abs()).less(zero);
-            bends_up |= zero.less(even + odd.abs());
+            bends_down = bends_down | (even - odd.abs()).less(zero);
+            bends_up = bends_up | zero.less(even + odd.abs());
         }
         !(falls & bends_down & bends_up)
     }

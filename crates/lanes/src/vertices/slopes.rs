@@ -7,9 +7,9 @@
 //! f64 from there on.
 
 use super::{
-    Batch, Kernel,
+    Kernel,
     curves::{Line, Stencil},
-    wide::{BATCH, Exact, Float, Task, Wide},
+    wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
 use crate::Lane;
 use std::ops::Range;
@@ -69,11 +69,12 @@ impl<T: Lane> Kernel<'_, '_, T> {
         if !self.samples.is_near(pairs as i64 + 1) {
             return u16::MAX;
         }
-        let mut batch = self.ends(wide, first);
-        let is_left = self.keep_inner(wide, &mut batch, pairs as u32);
-        if is_left == u16::MAX {
+        let batch = self.ends(wide, first);
+        let is_inner = self.are_within(wide, [batch.low, batch.high], pairs as u32).bits();
+        if is_inner == 0 {
             return u16::MAX;
         }
+        let batch = batch.keeping(wide, is_inner);
         let stencil = self.stencil(wide, &batch);
         // SAFETY: the edges that are left are so far from the border, and the farthest samples no more
         // slices away.
@@ -83,28 +84,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
                 _ => self.parts::<W, 3, 8>(wide, &stencil, delta),
             }
         };
-        is_left | self.write_curved_normals(wide, batch.axis, parts, normals)
-    }
-
-    /// Puts an edge that is an inner one in the place of those that are not; the bits of those. Of an inner
-    /// one both ends are so far from the border.
-    #[inline(always)]
-    fn keep_inner<W: Wide>(&self, wide: W, batch: &mut Batch<W>, margin: u32) -> u16 {
-        let (mut is_inner, less) = (u16::MAX, wide.u32(margin.wrapping_neg()));
-        for axis in 0..3 {
-            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and −3 too.
-            let within = wide.u32(self.samples.dims()[axis].saturating_sub(2 * margin));
-            for end in [batch.low[axis], batch.high[axis]] {
-                is_inner &= wide.less(end + less, within);
-            }
-        }
-        if is_inner != 0 && is_inner != u16::MAX {
-            let kept = is_inner.trailing_zeros() as usize;
-            for numbers in batch.low.iter_mut().chain([&mut batch.axis]) {
-                *numbers = wide.select(is_inner, *numbers, wide.u32(wide.store(*numbers)[kept]));
-            }
-        }
-        !is_inner
+        !is_inner | self.write_curved_normals(wide, batch.axis, parts, normals)
     }
 
     /// The parts of the gradients along the edges, and along the two axes that follow, from so many pairs of
@@ -200,7 +180,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         wide.interleave(normal, out);
         let is_tame = greatest.less(wide.f64(TAME.end)) & !greatest.less(wide.f64(TAME.start));
         // A part that is NaN may hide behind the greatest of the others, not in the sum of squares.
-        !(is_tame & square.less(wide.f64(f64::INFINITY)))
+        !(is_tame & square.less(wide.f64(f64::INFINITY))).bits()
     }
 }
 

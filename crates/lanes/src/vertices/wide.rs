@@ -6,13 +6,15 @@
 mod plain;
 
 #[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 
 use crate::{Lane, Level, Samples};
-#[cfg(target_arch = "x86_64")]
-use avx512::Avx512;
 use plain::Plain;
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+#[cfg(target_arch = "x86_64")]
+use {avx2::Avx2, avx512::Avx512};
 
 /// Numbers in a batch: one register of f32 at the widest, two of f64.
 pub(super) const BATCH: usize = 16;
@@ -48,7 +50,8 @@ pub(super) fn run_at(level: Level, task: impl Task) {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn run_avx2(task: impl Task) {
-    task.run(Plain);
+    // SAFETY: this function runs only where the machine has AVX2.
+    task.run(unsafe { Avx2::new() });
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -63,9 +66,11 @@ pub trait Wide: Copy {
     /// Sixteen u32. Sums and products wrap.
     type U32: Copy + Add<Output = Self::U32> + Mul<Output = Self::U32>;
     /// Sixteen f32.
-    type F32: Float;
+    type F32: Float<Mask = Self::Mask>;
     /// Sixteen f64.
-    type F64: Float;
+    type F64: Float<Mask = Self::Mask>;
+    /// A choice of the sixteen.
+    type Mask: Mask;
 
     fn u32(self, number: u32) -> Self::U32;
 
@@ -85,20 +90,23 @@ pub trait Wide: Copy {
 
     fn store_f64(self, numbers: Self::F64, out: &mut [f64; BATCH]);
 
-    /// Where both are equal: a bit each.
-    fn equal(self, a: Self::U32, b: Self::U32) -> u16;
+    /// Those whose bit is set.
+    fn mask(self, bits: u16) -> Self::Mask;
+
+    /// Where both are equal.
+    fn equal(self, a: Self::U32, b: Self::U32) -> Self::Mask;
 
     /// Where the first is less.
-    fn less(self, a: Self::U32, b: Self::U32) -> u16;
+    fn less(self, a: Self::U32, b: Self::U32) -> Self::Mask;
 
-    /// The first where the bit is set, else the second.
-    fn select(self, mask: u16, a: Self::U32, b: Self::U32) -> Self::U32;
+    /// The first where chosen, else the second.
+    fn select(self, mask: Self::Mask, a: Self::U32, b: Self::U32) -> Self::U32;
 
-    /// The first where the bit is set, else the second.
-    fn select_f64(self, mask: u16, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// The first where chosen, else the second.
+    fn select_f64(self, mask: Self::Mask, a: Self::F64, b: Self::F64) -> Self::F64;
 
-    /// The first where the bit is set, else the second.
-    fn select_f32(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// The first where chosen, else the second.
+    fn select_f32(self, mask: Self::Mask, a: Self::F32, b: Self::F32) -> Self::F32;
 
     fn u32_to_f64(self, numbers: Self::U32) -> Self::F64;
 
@@ -123,16 +131,54 @@ pub trait Wide: Copy {
         at: Self::U32,
     ) -> <T::Exact as Exact>::Of<Self>;
 
+    /// The samples below, at and above the numbers `from + at[n]` along x.
+    ///
+    /// # Safety
+    ///
+    /// As of [`near`](Self::near), and each sample must have all its neighbours.
+    #[inline(always)]
+    unsafe fn along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: Self::U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 3] {
+        let stride = samples.strides()[0];
+        // SAFETY: the caller says that all are samples, with both neighbours along y and z.
+        unsafe {
+            [
+                self.near(samples, from - stride, at),
+                self.near(samples, from, at),
+                self.near(samples, from + stride, at),
+            ]
+        }
+    }
+
     /// Three numbers per vertex, from one register per axis.
     fn interleave(self, axes: [Self::F32; 3], out: &mut [[f32; 3]; BATCH]);
 
     fn interleave_f64(self, axes: [Self::F64; 3], out: &mut [[f64; 3]; BATCH]);
 }
 
+/// A choice of sixteen numbers.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// A bit each.
+    fn bits(self) -> u16;
+}
+
+impl Mask for u16 {
+    #[inline(always)]
+    fn bits(self) -> u16 {
+        self
+    }
+}
+
 /// Sixteen numbers with a fraction.
 pub trait Float:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
+    type Mask: Mask;
+
     /// The greater; `other` where the two are equal or one is NaN.
     fn max(self, other: Self) -> Self;
 
@@ -144,16 +190,18 @@ pub trait Float:
 
     fn sqrt(self) -> Self;
 
-    /// Where it is less than the other: a bit each, none for NaN.
-    fn less(self, other: Self) -> u16;
+    /// Where it is less than the other: nowhere for NaN.
+    fn less(self, other: Self) -> Self::Mask;
 }
 
 /// A type that holds every sample of another exactly: f32 or f64.
 pub trait Exact: Copy + Default + Into<f64> {
     /// Sixteen of them.
-    type Of<W: Wide>: Float;
+    type Of<W: Wide>: Float<Mask = W::Mask>;
 
     fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> Self::Of<W>;
+
+    fn store<W: Wide>(wide: W, numbers: Self::Of<W>, out: &mut [Self; BATCH]);
 
     fn to_f64<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F64;
 
@@ -170,6 +218,11 @@ impl Exact for f32 {
     #[inline(always)]
     fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> W::F32 {
         wide.load_f32(numbers)
+    }
+
+    #[inline(always)]
+    fn store<W: Wide>(wide: W, numbers: W::F32, out: &mut [Self; BATCH]) {
+        wide.store_f32(numbers, out);
     }
 
     #[inline(always)]
@@ -194,6 +247,11 @@ impl Exact for f64 {
     #[inline(always)]
     fn load<W: Wide>(wide: W, numbers: &[Self; BATCH]) -> W::F64 {
         wide.load_f64(numbers)
+    }
+
+    #[inline(always)]
+    fn store<W: Wide>(wide: W, numbers: W::F64, out: &mut [Self; BATCH]) {
+        wide.store_f64(numbers, out);
     }
 
     #[inline(always)]

@@ -32,6 +32,7 @@ impl Wide for Avx512 {
     type U32 = U32;
     type F32 = F32;
     type F64 = F64;
+    type Mask = u16;
 
     #[inline(always)]
     fn u32(self, number: u32) -> U32 {
@@ -93,6 +94,11 @@ impl Wide for Avx512 {
             _mm512_storeu_pd(halves[0].as_mut_ptr(), numbers.0);
             _mm512_storeu_pd(halves[1].as_mut_ptr(), numbers.1);
         }
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u16) -> u16 {
+        bits
     }
 
     #[inline(always)]

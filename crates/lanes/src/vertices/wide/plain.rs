@@ -63,6 +63,8 @@ operator!(Div div f32, |a, b| a / b; f64, |a, b| a / b);
 macro_rules! float {
     ($($t:ty),*) => {$(
         impl Float for Array<$t> {
+            type Mask = u16;
+
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 Self(each!(n => if self.0[n] > other.0[n] { self.0[n] } else { other.0[n] }))
@@ -97,6 +99,7 @@ impl Wide for Plain {
     type U32 = Array<u32>;
     type F32 = Array<f32>;
     type F64 = Array<f64>;
+    type Mask = u16;
 
     #[inline(always)]
     fn u32(self, number: u32) -> Array<u32> {
@@ -141,6 +144,11 @@ impl Wide for Plain {
     #[inline(always)]
     fn store_f64(self, numbers: Array<f64>, out: &mut [f64; BATCH]) {
         *out = numbers.0;
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u16) -> u16 {
+        bits
     }
 
     #[inline(always)]

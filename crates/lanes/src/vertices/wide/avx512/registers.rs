@@ -69,6 +69,8 @@ impl Mul for U32 {
 
 /// `max` and `min` give their second operand where the two are equal or one is NaN.
 impl Float for F32 {
+    type Mask = u16;
+
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         // SAFETY: a register exists only where the instructions do.
@@ -101,6 +103,8 @@ impl Float for F32 {
 }
 
 impl Float for F64 {
+    type Mask = u16;
+
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         // SAFETY: a register exists only where the instructions do.
