@@ -33,7 +33,8 @@ pub struct FirstVertices {
     pub z: [u32; 2],
 }
 
-/// Writes the triangles of rows of cells to the front of `out`, and gives how many there are.
+/// Writes the triangles of rows of cells to the front of `out`, and gives how many there are. What is behind
+/// them in `out` may be anything afterwards.
 ///
 /// `words` are all that hold a cut in these rows, as [`words_of_rows`](crate::words_of_rows) gives them.
 /// `first` is asked for the first vertices of each row of theirs once.

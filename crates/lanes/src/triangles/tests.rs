@@ -1,8 +1,11 @@
 //! Every level against cell by cell.
 
 use super::{CaseTable, FirstVertices, triangles_at};
-use crate::{BitRows, Level, words_of_rows};
-use std::collections::BTreeMap;
+use crate::{BitRows, Level, Word, words_of_rows};
+use std::{
+    collections::BTreeMap,
+    panic::{AssertUnwindSafe, catch_unwind},
+};
 
 struct Chance(u64);
 
@@ -72,6 +75,42 @@ fn every_level_agrees_with_the_definition_and_writes_nothing_else() {
             assert_eq!(triangles_at(level, &words, first, &table, room), expected.len());
             assert_eq!(room, expected, "{level}, {points} points");
             assert_eq!(behind, [[u32::MAX; 3]; 9]);
+        }
+    }
+}
+
+#[test]
+fn cells_that_are_taken_out_count_and_room_that_is_too_small_is_refused() {
+    let mut chance = Chance(5);
+    let table = chance.table();
+    let mut words = vec![];
+    for density in 0..6 {
+        let mut word = || (0..density).fold(chance.next(), |w, _| w & chance.next());
+        let rows: Vec<u64> = (0..24).map(|_| word()).collect();
+        let bits = BitRows::new(&rows[..12], Some(&rows[12..]), 192);
+        words_of_rows(&bits, 0..4, &mut words);
+        words.iter_mut().for_each(|word| word.active &= chance.next());
+        let of = |word: &Word| -> usize {
+            let active = (0..64).filter(|&i| word.active >> i & 1 == 1);
+            active.map(|i| usize::from(table.counts[usize::from(word.case(i))])).sum()
+        };
+        let count: usize = words.iter().map(of).sum();
+        let first = |row: usize| {
+            // Those of row 0 wrap.
+            let n = (row as u32).wrapping_sub(1).wrapping_mul(20);
+            FirstVertices { x: [n; 4], y: [n; 2], z: [n; 2] }
+        };
+        let mut usual = None;
+        for (&level, more) in Level::available().iter().flat_map(|l| [0, 1, 9].map(|n| (l, n))) {
+            let mut out = vec![[7; 3]; count + more];
+            assert_eq!(triangles_at(level, &words, first, &table, &mut out), count, "{level}");
+            out.truncate(count);
+            assert!(*usual.get_or_insert_with(|| out.clone()) == out, "{level}");
+        }
+        for &level in if count > 0 { Level::available() } else { &[] } {
+            let mut small = vec![[7; 3]; count - 1];
+            let fill = || triangles_at(level, &words, first, &table, &mut small);
+            assert!(catch_unwind(AssertUnwindSafe(fill)).is_err(), "{level}");
         }
     }
 }

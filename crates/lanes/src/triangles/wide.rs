@@ -27,6 +27,12 @@ pub(super) fn triangles_avx2(
             next = unsafe { _mm256_loadu_si256(lists.as_ptr().cast()) };
             row = Some(word.row);
         }
+        if word.active == 0 {
+            let counts = word.cuts.map(|cuts| cuts.count_ones() as i32);
+            let [a, b, c, d, e, f, g, h] = counts;
+            next = _mm256_add_epi32(next, _mm256_setr_epi32(a, b, e, f, c, d, g, h));
+            continue;
+        }
         let (cuts, corners) = (word.cuts.as_chunks::<4>().0, word.corners.as_chunks::<4>().0);
         // SAFETY: all are four 64-bit numbers.
         let [x, y_z, near, far] = unsafe {
@@ -60,7 +66,7 @@ pub(super) fn triangles_avx2(
             let [start, end] = [ids(places), ids(_mm_unpackhi_epi64(places, places))];
             let is_active = (word.active >> cell & 1) as usize;
             let count = 3 * usize::from(table.counts[case]) * is_active;
-            // What is written too much is overwritten by the next cell.
+            // What is written too much is overwritten by the next cell, or stays behind the last triangle.
             let (room, is_whole) = match out[filled..].first_chunk_mut::<16>() {
                 Some(room) => (room, true),
                 None => (&mut rest, false),

@@ -16,17 +16,20 @@ pub(super) struct Batch<W: Wide> {
     pub(super) is_outside: u16,
     /// Both ends have both neighbours along every axis.
     pub(super) is_inner: u16,
+    /// There is an edge: the last batch may have fewer than it has numbers.
+    is_own: u16,
 }
 
 impl<W: Wide> Batch<W> {
-    /// The same with axis and lower end of one edge whose bit is set, if there is any, in place of those of
-    /// each whose is not.
+    /// The same, but each edge whose bit is not set has axis and lower end of one whose bit is, if there is
+    /// any. The upper ends stay as they were.
     #[inline(always)]
     pub(super) fn keeping(&self, wide: W, bits: u16) -> Self {
         let mut batch = *self;
         if bits != 0 && bits != u16::MAX {
             let kept = bits.trailing_zeros() as usize;
-            for numbers in batch.low.iter_mut().chain([&mut batch.axis]) {
+            let [x, y, _] = &mut batch.low;
+            for numbers in [&mut batch.axis, x, y] {
                 let other = wide.u32(wide.store(*numbers)[kept]);
                 *numbers = wide.select(wide.mask(bits), *numbers, other);
             }
@@ -59,7 +62,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
             u16::MAX => 0,
             _ => !self.are_within(wide, [low, high], 0).bits(),
         };
-        Batch { axis, low, high, is_outside, is_inner }
+        let is_own = u16::MAX >> (BATCH - BATCH.min(self.edges.len() - first));
+        Batch { axis, low, high, is_outside, is_inner, is_own }
     }
 
     /// Those edges of which both ends are so far from the border, or farther.
@@ -95,17 +99,23 @@ impl<T: Lane> Kernel<'_, '_, T> {
                 ends: [T::Exact::splat(wide, 0.0); 2],
                 differences: [[wide.f32(0.0); 3]; 2],
             },
-            _ => self.inner(wide, &batch.keeping(wide, is_inner), with_differences),
+            // SAFETY: those that are kept are inner ones, and samples are near, asked above.
+            _ => unsafe { self.inner(wide, &batch.keeping(wide, is_inner), with_differences) },
         };
-        if is_inner != u16::MAX {
-            self.put_in_others(wide, batch, is_inner, with_differences, &mut around);
+        let others = !is_inner & batch.is_own;
+        if others != 0 {
+            self.put_in(wide, batch, others, with_differences, &mut around);
         }
         around
     }
 
     /// What is around edges that are all inner ones.
+    ///
+    /// # Safety
+    ///
+    /// They must be, and [`Samples::is_near`](crate::Samples) must hold for one slice.
     #[inline(always)]
-    fn inner<W: Wide>(
+    unsafe fn inner<W: Wide>(
         &self,
         wide: W,
         batch: &Batch<W>,
@@ -136,7 +146,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
     ///
     /// # Safety
     ///
-    /// Each sample must have them.
+    /// Each sample must have them, and [`Samples::is_near`](crate::Samples) must hold for one slice.
     #[inline(always)]
     unsafe fn with_differences<W: Wide>(
         &self,
@@ -159,7 +169,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
     ///
     /// # Safety
     ///
-    /// Each sample must have both.
+    /// Each sample must have all its neighbours, and [`Samples::is_near`](crate::Samples) must hold for one
+    /// slice.
     #[inline(always)]
     unsafe fn difference<W: Wide>(&self, wide: W, from: i64, stride: i64, at: W::U32) -> W::F32 {
         // SAFETY: the caller says so.
@@ -169,14 +180,14 @@ impl<T: Lane> Kernel<'_, '_, T> {
         T::Exact::difference(wide, above, below)
     }
 
-    /// Puts in what is around the edges that are not inner ones, one by one. Instead of one that lies outside the
-    /// first sample is looked at.
+    /// Puts in what is around some edges, one by one. Instead of one that lies outside the first sample is
+    /// looked at.
     #[inline(always)]
-    fn put_in_others<W: Wide>(
+    fn put_in<W: Wide>(
         &self,
         wide: W,
         batch: &Batch<W>,
-        is_inner: u16,
+        edges: u16,
         with_differences: bool,
         around: &mut Around<W, T::Exact>,
     ) {
@@ -185,18 +196,22 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let mut places = [[[0; BATCH]; 3]; 2];
         for end in 0..2 {
             T::Exact::store(wide, around.ends[end], &mut samples[end]);
-            for along in 0..3 {
-                wide.store_f32(around.differences[end][along], &mut differences[end][along]);
-                places[end][along] = wide.store([batch.low, batch.high][end][along]);
+            for (to, numbers) in places[end].iter_mut().zip([batch.low, batch.high][end]) {
+                *to = wide.store(numbers);
+            }
+            if with_differences {
+                for (to, numbers) in differences[end].iter_mut().zip(around.differences[end]) {
+                    wide.store_f32(numbers, to);
+                }
             }
         }
-        let mut left = !is_inner;
+        let mut left = edges;
         while left != 0 {
             let n = left.trailing_zeros() as usize;
             left &= left - 1;
+            let is_outside = batch.is_outside >> n & 1 == 1;
             for end in 0..2 {
                 let [x, y, z] = &places[end];
-                let is_outside = batch.is_outside >> n & 1 == 1;
                 let place = if is_outside { [0; 3] } else { [x[n], y[n], z[n]] };
                 samples[end][n] = self.sample(place);
                 for along in 0..if with_differences { 3 } else { 0 } {
@@ -205,7 +220,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
                     below[along] = place[along].saturating_sub(1);
                     let scale = if above[along] - below[along] < 2 { 2.0 } else { 1.0 };
                     // A difference of two f32 that is rounded to f64 first comes out as if it were not: f64
-                    // has more than twice the digits, and two (Figueroa 1995).
+                    // has more than twice the digits, and two (Figueroa 1995), and where an f32 would be
+                    // denormal the difference is exact.
                     let difference: f64 = self.sample(above).into() - self.sample(below).into();
                     differences[end][along][n] = difference as f32 * scale;
                 }
@@ -213,8 +229,10 @@ impl<T: Lane> Kernel<'_, '_, T> {
         }
         for end in 0..2 {
             around.ends[end] = T::Exact::load(wide, &samples[end]);
-            for (difference, list) in around.differences[end].iter_mut().zip(&differences[end]) {
-                *difference = wide.load_f32(list);
+            if with_differences {
+                for (to, list) in around.differences[end].iter_mut().zip(&differences[end]) {
+                    *to = wide.load_f32(list);
+                }
             }
         }
     }

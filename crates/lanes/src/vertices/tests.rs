@@ -104,12 +104,21 @@ fn check<T: Lane>(difference: Difference, sample: fn(&mut Chance) -> T) {
         let count = dims.iter().product::<u32>() as usize;
         let all: Vec<T> = (0..count).map(|_| sample(&mut chance)).collect();
         let [nx, ny, nz] = dims.map(|n| n as usize);
-        let backwards = [-1, -(nx as isize), -((nx * ny) as isize)];
-        let slowest_first = [(ny * nz) as isize, nz as isize, 1];
-        for (first, strides) in
-            [(0, [1, nx as isize, (nx * ny) as isize]), (count - 1, backwards), (0, slowest_first)]
-        {
-            let samples = Samples::new(&all, first, strides, [nx, ny, nz]).unwrap();
+        let [x, xy, xz] = [nx, nx * ny, nx * nz].map(|n| n as isize);
+        for (first, strides) in [
+            (0, [1, x, xy]),
+            (count - 1, [-1, -x, -xy]),
+            (0, [(ny * nz) as isize, nz as isize, 1]),
+            (nx * (ny - 1), [1, -x, xy]),
+            (0, [1, xz, x]),
+            // Rows that share samples, too near for four in a row, and no room behind the last.
+            (0, [1, 1, 1]),
+            (0, [1, 2, 1]),
+            (0, [1, 0, x]),
+        ] {
+            let reach = [0, 1, 2].map(|k| ((dims[k] as isize - 1) * strides[k]).max(0));
+            let all = &all[..=first.checked_add_signed(reach.iter().sum()).unwrap()];
+            let samples = Samples::new(all, first, strides, [nx, ny, nz]).unwrap();
             let at = |ijk: [u32; 3]| {
                 let offset: isize = (0..3).map(|k| ijk[k] as isize * strides[k]).sum();
                 all[first.checked_add_signed(offset).unwrap()]
@@ -126,22 +135,26 @@ fn check<T: Lane>(difference: Difference, sample: fn(&mut Chance) -> T) {
                 let places: Vec<[u32; 2]> = (0..count).map(place).collect();
                 let list: Vec<_> =
                     places.into_iter().map(|place| (chance.below(3) as usize, place)).collect();
+                let mut usual = None;
                 for &level in Level::available() {
-                    compare(level, &samples, &edges(level, &list, z), |edge| {
+                    let found = compare(level, &samples, &edges(level, &list, z), |edge| {
                         one(&at, difference, dims, edge)
                     });
+                    assert!(*usual.get_or_insert_with(|| found.clone()) == found, "{level}");
                 }
             }
         }
     }
 }
 
+/// The bits of the vertices of edges that are not odd, and the numbers of those that are.
 fn compare<T: Lane>(
     level: Level,
     samples: &Samples<'_, T>,
     edges: &Edges,
     expected: impl Fn((usize, [u32; 3])) -> Option<([f64; 3], [f32; 3])>,
-) {
+) -> (Vec<u64>, Vec<u32>) {
+    let mut bits = vec![];
     let (mut positions, mut normals) = (vec![[0.0; 3]; edges.len()], vec![[0.0; 3]; edges.len()]);
     let (mut rounded, mut odd, mut odd_places) = (vec![[0_f32; 3]; edges.len()], vec![], vec![]);
     let out =
@@ -158,11 +171,15 @@ fn compare<T: Lane>(
                 assert_eq!(positions[n], position, "{level}: {edge:?}");
                 assert_eq!(rounded[n], position.map(|c| c as f32), "{level}: {edge:?}");
                 assert_eq!(normals[n], normal, "{level}: {edge:?}");
+                bits.extend(positions[n].map(f64::to_bits));
+                let narrow = [rounded[n], normals[n]].into_iter().flatten();
+                bits.extend(narrow.map(|c| u64::from(c.to_bits())));
             }
         }
     }
     assert!(odd.is_sorted() && odd.iter().all(|&n| (n as usize) < edges.len()), "{odd:?}");
     assert!(odd_places.iter().all(|n| odd.contains(n)), "{odd_places:?} of {odd:?}");
+    (bits, odd)
 }
 
 #[test]
@@ -174,6 +191,12 @@ fn every_level_agrees_with_one_edge_at_a_time() {
     check(as_f64, |chance| chance.next() as u32);
     check(as_f64, |chance| chance.next() as i32);
     check(as_f32, |chance| chance.below(5) as f32 * 0.25);
+    check(as_f32, |chance| chance.next() as i32 as f32 / (1_u64 << chance.below(40)) as f32);
+    check(as_f32, |chance| match chance.below(4) {
+        0 => 1.0,
+        1 => -0.0,
+        _ => f32::from_bits(chance.below(1 << 23) | chance.below(2) << 31),
+    });
     check(as_f64, |chance| chance.below(1000) as f64 * 1e-3);
 }
 

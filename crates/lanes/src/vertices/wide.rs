@@ -4,6 +4,8 @@
 //! rounded once, so that the numbers are the same.
 
 mod plain;
+#[cfg(test)]
+mod tests;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -71,7 +71,15 @@ fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, neighbours: i6
         let [nx, ny, nz] = dims.map(|n| n as usize);
         let usual = [1, nx as isize, (nx * ny) as isize];
         let slowest_first = [(ny * nz) as isize, nz as isize, 1];
-        let layouts = [(0, usual), (count - 1, usual.map(|step| -step)), (0, slowest_first)];
+        let (rows_back, slices_first) =
+            ([1, -usual[1], usual[2]], [1, (nx * nz) as isize, usual[1]]);
+        let layouts = [
+            (0, usual),
+            (count - 1, usual.map(|step| -step)),
+            (0, slowest_first),
+            (nx * (ny - 1), rows_back),
+            (0, slices_first),
+        ];
         for (first, strides) in layouts {
             let samples = Samples::new(&all, first, strides, [nx, ny, nz]).unwrap();
             for count in [0, 1, 15, 16, 17, 100, 200, 600] {

@@ -1,7 +1,6 @@
 //! Sixteen numbers in two AVX2 registers, or in four.
 //!
-//! A gather instruction of a machine that has no wider registers takes longer than sixteen loads, on some
-//! by far; so samples are loaded one by one, and those next to each other in memory at once.
+//! Samples are loaded one by one, and those next to each other in memory at once.
 
 mod gather;
 mod registers;
@@ -207,6 +206,13 @@ impl Wide for Avx2 {
         at: U32,
     ) -> <T::Exact as Exact>::Of<Self> {
         let base = samples.all().as_ptr().wrapping_offset(from as isize);
+        debug_assert!(
+            self.store(at).into_iter().all(|n| {
+                let (n, size) = (from + i64::from(n as i32), size_of::<T>() as i64);
+                n >= 0 && n * size + size.max(4) <= size_of_val(samples.all()) as i64
+            }),
+            "four bytes in the slice"
+        );
         if TypeId::of::<T>() == TypeId::of::<f64>() {
             // SAFETY: samples are f64, and the caller says that they are there. What comes out is sixteen
             // of the exact type of f64, which is `T`.
@@ -224,8 +230,6 @@ impl Wide for Avx2 {
         at: U32,
     ) -> [<T::Exact as Exact>::Of<Self>; 3] {
         let [x, y, _] = samples.strides();
-        // Then four samples can be loaded from each number on: the last lies no farther off than a
-        // neighbour along y.
         if size_of::<T>() > 4 || x != 1 || y.abs() < 2 {
             // SAFETY: the caller says that all are samples, with both neighbours along y and z.
             return unsafe {
@@ -237,7 +241,15 @@ impl Wide for Avx2 {
             };
         }
         let below = samples.all().as_ptr().wrapping_offset(from as isize - 1);
-        // SAFETY: there is a token, and as many bytes as four samples have are there.
+        debug_assert!(
+            self.store(at).into_iter().all(|n| {
+                let n = from + i64::from(n as i32);
+                n >= 1 && n + 3 <= samples.all().len() as i64
+            }),
+            "four samples in the slice"
+        );
+        // SAFETY: there is a token. From the sample below on four lie in the slice: the last is no farther
+        // off than a neighbour along y, which is there.
         let [below, own, above] = unsafe {
             match size_of::<T>() {
                 1 => {

@@ -14,7 +14,7 @@ use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 ///
 /// # Safety
 ///
-/// They must be in memory.
+/// They must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn gather<T>(wide: Avx2, base: *const T, at: U32) -> [__m256i; 2] {
     let numbers = wide.store(at);
@@ -32,9 +32,11 @@ pub(super) unsafe fn gather<T>(wide: Avx2, base: *const T, at: U32) -> [__m256i;
     }
 }
 
+/// A number from each place.
+///
 /// # Safety
 ///
-/// They must be in memory.
+/// They must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn gather_f64(wide: Avx2, base: *const f64, at: U32) -> F64 {
     let numbers = wide.store(at);
@@ -55,7 +57,7 @@ pub(super) unsafe fn gather_f64(wide: Avx2, base: *const f64, at: U32) -> F64 {
 ///
 /// # Safety
 ///
-/// All four must be in memory.
+/// All four must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn three_of_four(wide: Avx2, base: *const f32, at: U32) -> [[__m256i; 2]; 3] {
     let numbers = wide.store(at);
@@ -115,7 +117,7 @@ pub(super) fn exact<T: Lane>(wide: Avx2, words: [__m256i; 2]) -> <T::Exact as Ex
     unreachable!("no other type is a lane of four bytes or less")
 }
 
-/// Numbers without a sign but for so many of their highest bits.
+/// Words without so many of their highest bits.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn low_bits<const OTHERS: i32>(words: __m256i) -> __m256i {

@@ -201,7 +201,7 @@ impl Float for F64 {
         unsafe {
             let less = four!(N => _mm256_cmp_pd::<_CMP_LT_OQ>(self.0[N], other.0[N]));
             let less = four!(N => _mm256_castpd_ps(less[N]));
-            // One half of each, in quarters 0 2 1 3.
+            // The low half of each number, in quarters 0 2 1 3.
             let halves =
                 two!(N => _mm256_shuffle_ps::<0b10_00_10_00>(less[2 * N], less[2 * N + 1]));
             let halves = two!(N => _mm256_castps_si256(halves[N]));
