@@ -145,21 +145,47 @@ pub trait Wide: Copy {
         from: i64,
         at: Self::U32,
     ) -> [<T::Exact as Exact>::Of<Self>; 3] {
-        let stride = samples.strides()[0];
-        // SAFETY: the caller says that all are samples, with both neighbours along y and z.
-        unsafe {
-            [
-                self.near(samples, from - stride, at),
-                self.near(samples, from, at),
-                self.near(samples, from + stride, at),
-            ]
-        }
+        // SAFETY: the caller says so.
+        unsafe { three_along_x(self, samples, from, at) }
     }
 
     /// Three numbers per vertex, from one register per axis.
     fn interleave(self, axes: [Self::F32; 3], out: &mut [[f32; 3]; BATCH]);
 
-    fn interleave_f64(self, axes: [Self::F64; 3], out: &mut [[f64; 3]; BATCH]);
+    /// The same of f64.
+    #[inline(always)]
+    fn interleave_f64(self, axes: [Self::F64; 3], out: &mut [[f64; 3]; BATCH]) {
+        let mut lists = [[0.0; BATCH]; 3];
+        for (list, numbers) in lists.iter_mut().zip(axes) {
+            self.store_f64(numbers, list);
+        }
+        for (n, place) in out.iter_mut().enumerate() {
+            *place = [lists[0][n], lists[1][n], lists[2][n]];
+        }
+    }
+}
+
+/// [`Wide::along_x`] for samples that lie in any order.
+///
+/// # Safety
+///
+/// As there.
+#[inline(always)]
+unsafe fn three_along_x<W: Wide, T: Lane>(
+    wide: W,
+    samples: &Samples<'_, T>,
+    from: i64,
+    at: W::U32,
+) -> [<T::Exact as Exact>::Of<W>; 3] {
+    let [x, _, _] = samples.strides();
+    // SAFETY: the caller says that all are samples, with both neighbours along y and z.
+    unsafe {
+        [
+            wide.near(samples, from - x, at),
+            wide.near(samples, from, at),
+            wide.near(samples, from + x, at),
+        ]
+    }
 }
 
 /// A choice of sixteen numbers.
@@ -179,6 +205,7 @@ impl Mask for u16 {
 pub trait Float:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
+    /// Where a condition holds.
     type Mask: Mask;
 
     /// The greater; `other` where the two are equal or one is NaN.

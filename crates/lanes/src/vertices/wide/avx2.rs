@@ -5,7 +5,7 @@
 mod gather;
 mod registers;
 
-use super::{BATCH, Exact, Wide};
+use super::{BATCH, Exact, Wide, three_along_x};
 use crate::{Lane, Samples};
 use gather::{exact, gather, gather_f64, three_of_four};
 use registers::{Choice, F32, F64, U32, four, two};
@@ -231,14 +231,8 @@ impl Wide for Avx2 {
     ) -> [<T::Exact as Exact>::Of<Self>; 3] {
         let [x, y, _] = samples.strides();
         if size_of::<T>() > 4 || x != 1 || y.abs() < 2 {
-            // SAFETY: the caller says that all are samples, with both neighbours along y and z.
-            return unsafe {
-                [
-                    self.near(samples, from - x, at),
-                    self.near(samples, from, at),
-                    self.near(samples, from + x, at),
-                ]
-            };
+            // SAFETY: the caller says so.
+            return unsafe { three_along_x(self, samples, from, at) };
         }
         let below = samples.all().as_ptr().wrapping_offset(from as isize - 1);
         debug_assert!(
@@ -292,17 +286,6 @@ impl Wide for Avx2 {
                     _mm_storeu_ps(registers[6 * half + 3 + n].as_mut_ptr(), high);
                 }
             }
-        }
-    }
-
-    #[inline(always)]
-    fn interleave_f64(self, axes: [F64; 3], out: &mut [[f64; 3]; BATCH]) {
-        let mut lists = [[0.0; BATCH]; 3];
-        for (list, numbers) in lists.iter_mut().zip(axes) {
-            self.store_f64(numbers, list);
-        }
-        for (n, place) in out.iter_mut().enumerate() {
-            *place = [lists[0][n], lists[1][n], lists[2][n]];
         }
     }
 }

@@ -241,17 +241,6 @@ impl Wide for Avx512 {
             }
         }
     }
-
-    #[inline(always)]
-    fn interleave_f64(self, axes: [F64; 3], out: &mut [[f64; 3]; BATCH]) {
-        let mut lists = [[0.0; BATCH]; 3];
-        for (list, numbers) in lists.iter_mut().zip(axes) {
-            self.store_f64(numbers, list);
-        }
-        for (n, place) in out.iter_mut().enumerate() {
-            *place = [lists[0][n], lists[1][n], lists[2][n]];
-        }
-    }
 }
 
 /// For each of the three registers of output which number of the 16 + 16 of x and y comes where, and then

@@ -217,9 +217,4 @@ impl Wide for Plain {
     fn interleave(self, axes: [Array<f32>; 3], out: &mut [[f32; 3]; BATCH]) {
         *out = each!(n => [axes[0].0[n], axes[1].0[n], axes[2].0[n]]);
     }
-
-    #[inline(always)]
-    fn interleave_f64(self, axes: [Array<f64>; 3], out: &mut [[f64; 3]; BATCH]) {
-        *out = each!(n => [axes[0].0[n], axes[1].0[n], axes[2].0[n]]);
-    }
 }

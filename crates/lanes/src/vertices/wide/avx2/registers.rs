@@ -131,81 +131,61 @@ impl Mask for Choice {
     }
 }
 
-/// `max` and `min` give their second operand where the two are equal or one is NaN.
-impl Float for F32 {
-    type Mask = Choice;
+/// The type, its parts, and the operations on one register. `max` and `min` give their second operand where
+/// the two are equal or one is NaN.
+macro_rules! float {
+    (
+        $type:ident $each:ident $max:ident $min:ident $sqrt:ident $andnot:ident $splat:ident,
+        |$a:ident, $b:ident| $less:expr
+    ) => {
+        impl Float for $type {
+            type Mask = Choice;
 
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: a register exists only where the instructions do.
-        Self(unsafe { two!(N => _mm256_max_ps(self.0[N], other.0[N])) })
-    }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // SAFETY: a register exists only where the instructions do.
+                Self(unsafe { $each!(N => $max(self.0[N], other.0[N])) })
+            }
 
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { two!(N => _mm256_min_ps(self.0[N], other.0[N])) })
-    }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $each!(N => $min(self.0[N], other.0[N])) })
+            }
 
-    #[inline(always)]
-    fn abs(self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { two!(N => _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0[N])) })
-    }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $each!(N => $andnot($splat(-0.0), self.0[N])) })
+            }
 
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { two!(N => _mm256_sqrt_ps(self.0[N])) })
-    }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $each!(N => $sqrt(self.0[N])) })
+            }
 
-    #[inline(always)]
-    fn less(self, other: Self) -> Choice {
-        // SAFETY: as above.
-        Choice(unsafe {
-            two!(N => _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0[N], other.0[N])))
-        })
-    }
-}
-
-impl Float for F64 {
-    type Mask = Choice;
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: a register exists only where the instructions do.
-        Self(unsafe { four!(N => _mm256_max_pd(self.0[N], other.0[N])) })
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { four!(N => _mm256_min_pd(self.0[N], other.0[N])) })
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { four!(N => _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0[N])) })
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: as above.
-        Self(unsafe { four!(N => _mm256_sqrt_pd(self.0[N])) })
-    }
-
-    #[inline(always)]
-    fn less(self, other: Self) -> Choice {
-        // SAFETY: as above.
-        unsafe {
-            let less = four!(N => _mm256_cmp_pd::<_CMP_LT_OQ>(self.0[N], other.0[N]));
-            let less = four!(N => _mm256_castpd_ps(less[N]));
-            // The low half of each number, in quarters 0 2 1 3.
-            let halves =
-                two!(N => _mm256_shuffle_ps::<0b10_00_10_00>(less[2 * N], less[2 * N + 1]));
-            let halves = two!(N => _mm256_castps_si256(halves[N]));
-            Choice(two!(N => _mm256_permute4x64_epi64::<0b11_01_10_00>(halves[N])))
+            #[inline(always)]
+            fn less(self, other: Self) -> Choice {
+                let ($a, $b) = (self.0, other.0);
+                // SAFETY: as above.
+                Choice(unsafe { $less })
+            }
         }
-    }
+    };
 }
+
+float!(
+    F32 two _mm256_max_ps _mm256_min_ps _mm256_sqrt_ps _mm256_andnot_ps _mm256_set1_ps,
+    |a, b| two!(N => _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(a[N], b[N])))
+);
+float!(
+    F64 four _mm256_max_pd _mm256_min_pd _mm256_sqrt_pd _mm256_andnot_pd _mm256_set1_pd,
+    |a, b| {
+        let less = four!(N => _mm256_castpd_ps(_mm256_cmp_pd::<_CMP_LT_OQ>(a[N], b[N])));
+        // The low half of each number, in quarters 0 2 1 3.
+        let halves = two!(N => _mm256_shuffle_ps::<0b10_00_10_00>(less[2 * N], less[2 * N + 1]));
+        let halves = two!(N => _mm256_castps_si256(halves[N]));
+        two!(N => _mm256_permute4x64_epi64::<0b11_01_10_00>(halves[N]))
+    }
+);
