@@ -65,7 +65,7 @@ fn count_flat_rows_at(level: Level, bits: &BitRows<'_>, rows: Range<usize>, out:
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { count_rows_avx2::<true>(bits, rows, out) }
+            unsafe { count_flat_rows_avx2(bits, rows, out) }
         }
         _ => count_rows_plain::<true>(bits, rows, out),
     }
@@ -86,34 +86,32 @@ fn count_rows_at(
     open: Option<&mut Vec<Word>>,
 ) {
     begin(bits, &rows, out);
-    #[cfg(target_arch = "x86_64")]
-    if level == Level::Avx512 {
-        level.assert_available();
-        // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-        return unsafe { wide::count_rows(bits, rows, out, open) };
-    }
-    if let Some(open) = open {
-        open_words_of_rows_at(level, bits, rows.clone(), open);
-    }
     match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => {
+            level.assert_available();
+            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+            unsafe { wide::count_rows_avx512(bits, rows, out, open) }
+        }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2 => {
             level.assert_available();
             // SAFETY: as above.
-            unsafe { count_rows_avx2::<false>(bits, rows, out) }
+            unsafe { wide::count_rows_avx2(bits, rows, out, open) }
         }
-        _ => count_rows_plain::<false>(bits, rows, out),
+        _ => {
+            if let Some(open) = open {
+                open_words_of_rows_at(level, bits, rows.clone(), open);
+            }
+            count_rows_plain::<false>(bits, rows, out);
+        }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn count_rows_avx2<const FLAT: bool>(
-    bits: &BitRows<'_>,
-    rows: Range<usize>,
-    out: &mut [RowCounts],
-) {
-    count_rows_plain::<FLAT>(bits, rows, out);
+fn count_flat_rows_avx2(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts]) {
+    count_rows_plain::<true>(bits, rows, out);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -127,7 +125,7 @@ fn count_flat_rows_avx512(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [Row
 /// Words that are counted before they are added to their rows.
 const BLOCK: usize = 512;
 
-/// The loop of the lower levels, and of the flat counts of all, which the compiler makes as wide as it may.
+/// The loop of the lowest level, and of the flat counts of all, which the compiler makes as wide as it may.
 #[inline(always)]
 fn count_rows_plain<const FLAT: bool>(
     bits: &BitRows<'_>,

@@ -9,10 +9,20 @@
 //! triangles, where each term counts those that are inside completely; and four fewer if just two corners are
 //! outside and these are opposite ones, since then the others lie around a hole that two triangles close.
 
-/// For each of 64 cells a number of three binary digits, lowest first. Given are its corners, at
+use std::ops::{BitAnd, BitOr, BitXor, Not};
+
+/// Bits of many cells at once.
+pub(crate) trait Bits:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+}
+
+impl Bits for u64 {}
+
+/// For each of 64 cells, or more, a number of three binary digits, lowest first. Given are its corners, at
 /// y, z = 00, 10, 01, 11 and each at x = 0, 1.
 #[inline(always)]
-pub(crate) fn triangles(rows: [[u64; 2]; 4]) -> [u64; 3] {
+pub(crate) fn triangles<B: Bits>(rows: [[B; 2]; 4]) -> [B; 3] {
     let [[a, a1], [b, b1], [c, c1], [d, d1]] = rows;
     // Corners inside: `ones` + 2 `twos` + 4 `fours`, modulo 8.
     let (s0, t0) = add(a, a1, b);
@@ -35,7 +45,7 @@ pub(crate) fn triangles(rows: [[u64; 2]; 4]) -> [u64; 3] {
 
 /// Adds three binary digits: the sum's lower and higher one.
 #[inline(always)]
-fn add(a: u64, b: u64, c: u64) -> (u64, u64) {
+fn add<B: Bits>(a: B, b: B, c: B) -> (B, B) {
     (a ^ b ^ c, a & b | c & (a ^ b))
 }
 

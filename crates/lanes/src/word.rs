@@ -217,7 +217,13 @@ pub(crate) fn words_of_rows_at(
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::words_of_rows(bits, rows, out) }
+            unsafe { wide::with_avx512::words_of_rows(bits, rows, out) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            level.assert_available();
+            // SAFETY: as above.
+            unsafe { wide::with_avx2::words_of_rows(bits, rows, out) }
         }
         _ => bits.each_word(rows, |word| out.push(*word)),
     }
@@ -246,7 +252,13 @@ pub(crate) fn open_words_of_rows_at(
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::open_words_of_rows(bits, rows, out) }
+            unsafe { wide::with_avx512::open_words_of_rows(bits, rows, out) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            level.assert_available();
+            // SAFETY: as above.
+            unsafe { wide::with_avx2::open_words_of_rows(bits, rows, out) }
         }
         _ => bits.each_word(rows, |word| {
             if word.open() != 0 {
@@ -278,7 +290,13 @@ fn words_of_run_at(
         Level::Avx512 => {
             level.assert_available();
             // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::words_of_run(bits, row, run, out) }
+            unsafe { wide::with_avx512::words_of_run(bits, row, run, out) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            level.assert_available();
+            // SAFETY: as above.
+            unsafe { wide::with_avx2::words_of_run(bits, row, run, out) }
         }
         _ => bits.each_word_of_run(row, run, |word| out.push(*word)),
     }

@@ -1,57 +1,77 @@
-//! Eight words at a time, of which blank ones are not counted.
+//! A pack of words at a time, of which blank ones are not counted.
 
-use super::{RowCounts, count_corners};
+use super::RowCounts;
 use crate::{
     BitRows, Word,
-    word::wide::{Eight, Eights, words},
+    euler::triangles,
+    word::wide::{Eight, Four, Group, Groups, Pack},
 };
 use std::ops::Range;
 
 #[target_feature(
     enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
 )]
-pub(super) fn count_rows(
+pub(super) fn count_rows_avx512(
     bits: &BitRows<'_>,
     rows: Range<usize>,
+    out: &mut [RowCounts],
+    open: Option<&mut Vec<Word>>,
+) {
+    // SAFETY: this function runs only where the machine has the instructions.
+    count_groups(unsafe { Groups::<Eight>::new(bits, rows.clone()) }, (bits, rows), out, open);
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn count_rows_avx2(
+    bits: &BitRows<'_>,
+    rows: Range<usize>,
+    out: &mut [RowCounts],
+    open: Option<&mut Vec<Word>>,
+) {
+    // SAFETY: as above.
+    count_groups(unsafe { Groups::<Four>::new(bits, rows.clone()) }, (bits, rows), out, open);
+}
+
+#[inline(always)]
+fn count_groups<P: Pack>(
+    mut groups: Groups<'_, P>,
+    (bits, rows): (&BitRows<'_>, Range<usize>),
     out: &mut [RowCounts],
     mut open: Option<&mut Vec<Word>>,
 ) {
     if let Some(open) = &mut open {
         open.clear();
     }
-    let (first, has_cells) = (rows.start, |row: usize| bits.has_cells(row));
-    let mut eights = Eights::new(bits, rows);
-    while let Some(eight) = eights.next() {
-        let counts = counts(&eight);
-        let mask = if has_cells(eight.place(0)[0]) { u64::MAX } else { u64::MAX >> 16 };
+    while let Some(group) = groups.next() {
+        let counts = counts(&group);
+        let counts = counts.as_ref();
+        let mask = if bits.has_cells(group.place(0)[0]) { u64::MAX } else { u64::MAX >> 16 };
         let mut n = 0;
-        while n < 8 {
-            let [row, w] = eight.place(n);
-            let Some(out) = out.get_mut(row - first) else { break };
-            // Eight words fill no 16 bits.
-            let end = (n + bits.words() - w).min(8);
+        while n < P::WORDS {
+            let [row, w] = group.place(n);
+            let Some(out) = out.get_mut(row - rows.start) else { break };
+            // So few words fill no 16 bits.
+            let end = (n + bits.words() - w).min(P::WORDS);
             out.unpack(counts[n..end].iter().sum::<u64>() & mask);
             n = end;
         }
         if let Some(open) = &mut open {
-            eight.push_open_words(open);
+            group.push_open_words(open);
         }
     }
 }
 
 /// For each word a number of four times 16 bits.
-#[inline]
-#[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
-)]
-fn counts(eight: &Eight) -> [u64; 8] {
-    let [a, b, c, d] = eight.low.map(|register| words(register));
-    let [a1, b1, c1, d1] = eight.high.map(|register| words(register));
-    let cells = words(eight.cells);
-    let mut counts = [0; 8];
-    for i in 0..8 {
-        let (low, high) = ([a[i], b[i], c[i], d[i]], [a1[i], b1[i], c1[i], d1[i]]);
-        counts[i] = count_corners(low, high, cells[i]);
-    }
-    counts
+#[inline(always)]
+fn counts<P: Pack>(group: &Group<P>) -> P::Words {
+    let Group { low: [a, b, c, d], high: [a1, b1, c1, d1], cells, .. } = *group;
+    let digits = triangles([[a, a1], [b, b1], [c, c1], [d, d1]]);
+    // No closures: they would not be compiled for the level.
+    let [ones, twos, fours] = digits;
+    let (ones, twos) = ((ones & cells).count_ones(), (twos & cells).count_ones());
+    let fours = (fours & cells).count_ones();
+    let pairs = twos + fours + fours;
+    let (x, y, z) = ((a ^ a1) & cells, a ^ b, a ^ c);
+    let cut = [x.count_ones(), y.count_ones(), z.count_ones(), ones + pairs + pairs];
+    P::quarters(cut).words()
 }

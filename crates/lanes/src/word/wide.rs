@@ -1,17 +1,87 @@
-//! Eight words in a register, of one row or of several.
+//! Several words in a register, of one row or of several.
+
+mod avx2;
+mod avx512;
 
 use super::{BitRows, FACES, WORD, Word};
-use std::{arch::x86_64::*, iter, ops::Range};
+use crate::euler::Bits;
+use std::{
+    iter,
+    ops::{Add, Range},
+};
 
-/// Eight neighbouring words of rows of cells, or as many as there are.
+pub(crate) use avx2::Four;
+pub(crate) use avx512::Eight;
+
+/// Words in a register. Who holds one has the instructions.
+pub(crate) trait Pack: Bits + Add<Output = Self> {
+    /// Its words one by one.
+    type Words: AsRef<[u64]>;
+
+    /// The eight words that eight packs have in one place.
+    type Column: Copy;
+
+    /// One for each place.
+    type Columns: AsRef<[Self::Column]>;
+
+    /// How many words it has: 8 at the most.
+    const WORDS: usize;
+
+    /// The same word everywhere.
+    ///
+    /// # Safety
+    ///
+    /// The machine must have the instructions.
+    unsafe fn splat(word: u64) -> Self;
+
+    /// The first words of some, and zeros behind them.
+    ///
+    /// # Safety
+    ///
+    /// As for [`splat`](Self::splat).
+    unsafe fn load(words: &[u64]) -> Self;
+
+    /// The first words.
+    ///
+    /// # Safety
+    ///
+    /// As for [`splat`](Self::splat), and there must be as many.
+    unsafe fn load_all(words: *const u64) -> Self;
+
+    /// Each word shifted down by one bit, with the lowest bit of the word in `next` on top.
+    fn shifted_in(self, next: Self) -> Self;
+
+    /// Its own words where the bits of `places` are set, and ones elsewhere.
+    fn at(self, places: u8) -> Self;
+
+    /// The words that are not 0.
+    fn found(self) -> u8;
+
+    /// How many bits of each word are set.
+    fn count_ones(self) -> Self;
+
+    /// Four times 16 bits of each word, the lowest first.
+    fn quarters(parts: [Self; 4]) -> Self;
+
+    /// One by one.
+    fn words(self) -> Self::Words;
+
+    /// Eight packs, word by word.
+    fn columns(packs: [Self; 8]) -> Self::Columns;
+
+    /// The words of a column.
+    fn eight(column: Self::Column) -> [u64; 8];
+}
+
+/// Neighbouring words of rows of cells, a pack of them or as many as there are.
 #[derive(Clone, Copy)]
-pub(crate) struct Eight {
+pub(crate) struct Group<P> {
     /// The low-x corners of the four rows; behind the last word zeros.
-    pub(crate) low: [__m512i; 4],
-    pub(crate) high: [__m512i; 4],
-    pub(crate) cells: __m512i,
+    pub(crate) low: [P; 4],
+    pub(crate) high: [P; 4],
+    pub(crate) cells: P,
     /// The crossed cells.
-    pub(crate) active: __m512i,
+    active: P,
     /// The words that are not blank.
     pub(crate) found: u8,
     /// Row and place in it of the first word, and words in a row.
@@ -19,7 +89,7 @@ pub(crate) struct Eight {
     words: usize,
 }
 
-impl Eight {
+impl<P: Pack> Group<P> {
     /// Row and place in it of word `n`.
     #[inline(always)]
     pub(crate) fn place(&self, n: usize) -> [usize; 2] {
@@ -30,97 +100,84 @@ impl Eight {
         [row, w]
     }
 
-    /// The corners of each word: one register a word.
-    #[inline]
-    #[target_feature(enable = "avx512f")]
-    pub(crate) fn corners(&self) -> [__m512i; 8] {
+    /// The corners of each word.
+    #[inline(always)]
+    fn corners(&self) -> P::Columns {
         // What came to the last word of a row from the next row is no corner.
-        let (a, mut b) = (self.low, self.high);
-        for high in &mut b {
-            *high = _mm512_and_si512(*high, self.cells);
-        }
-        transposed([a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]])
+        let (a, b, cells) = (self.low, self.high, self.cells);
+        P::columns([a[0], b[0] & cells, a[1], b[1] & cells, a[2], b[2] & cells, a[3], b[3] & cells])
+    }
+
+    /// The eight lists of cut edges of each word.
+    #[inline(always)]
+    fn cuts(&self) -> P::Columns {
+        let ([a, b, c, d], high) = (self.low, self.high);
+        let along_x = |low: P, n: usize| (low ^ high[n]) & self.cells;
+        let x = [along_x(a, 0), along_x(b, 1), along_x(c, 2), along_x(d, 3)];
+        P::columns([x[0], x[1], x[2], x[3], a ^ b, c ^ d, a ^ c, b ^ d])
     }
 
     /// The words that hold an open cell.
-    #[inline]
-    #[target_feature(enable = "avx512f")]
+    #[inline(always)]
     fn open(&self) -> u8 {
         let (a, b) = (self.low, self.high);
         let k = [a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]];
-        let differ = |p: usize, q: usize| _mm512_xor_si512(k[p], k[q]);
-        let (mut ambiguous, mut uneven) = (_mm512_setzero_si512(), _mm512_setzero_si512());
+        let uneven = (k[0] ^ k[7]) | (k[1] ^ k[6]) | (k[2] ^ k[5]) | (k[3] ^ k[4]);
+        let mut open = !uneven;
         for [a, b, c, d] in FACES {
-            let two = _mm512_and_si512(differ(a, b), differ(b, c));
-            ambiguous = _mm512_or_si512(ambiguous, _mm512_and_si512(two, differ(c, d)));
+            open = open | (k[a] ^ k[b]) & (k[b] ^ k[c]) & (k[c] ^ k[d]);
         }
-        for n in 0..4 {
-            uneven = _mm512_or_si512(uneven, differ(n, 7 - n));
-        }
-        let even = _mm512_andnot_si512(uneven, self.active);
-        let open = _mm512_or_si512(even, _mm512_and_si512(ambiguous, self.active));
-        _mm512_test_epi64_mask(open, open)
+        (open & self.active).found()
     }
 
     /// Adds those of the words that are not blank.
-    #[inline]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
+    #[inline(always)]
     fn push_words(&self, out: &mut Vec<Word>) {
-        let (corners, cuts, active) = (self.corners(), self.cuts(), words(self.active));
-        for n in Self::each(self.found) {
-            let (corners, cuts) = (words(corners[n]), words(cuts[n]));
-            let [row, w] = self.place(n);
-            out.push(Word { corners, cuts, active: active[n], row, first: WORD * w });
-        }
-    }
-
-    /// Adds those of the words that hold an open cell, without their cut edges.
-    #[inline]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-    pub(crate) fn push_open_words(&self, out: &mut Vec<Word>) {
-        let open = self.open();
-        if open != 0 {
-            let (corners, active) = (self.corners(), words(self.active));
-            for n in Self::each(open) {
+        let (corners, cuts, active) = (self.corners(), self.cuts(), self.active.words());
+        for n in 0..P::WORDS {
+            if self.found >> n & 1 == 1 {
                 let [row, w] = self.place(n);
-                let (corners, first) = (words(corners[n]), WORD * w);
-                out.push(Word { corners, cuts: [0; 8], active: active[n], row, first });
+                out.push(Word {
+                    corners: P::eight(corners.as_ref()[n]),
+                    cuts: P::eight(cuts.as_ref()[n]),
+                    active: active.as_ref()[n],
+                    row,
+                    first: WORD * w,
+                });
             }
         }
     }
 
-    /// The places of the bits that are set.
+    /// Adds those of the words that hold an open cell, without their cut edges.
     #[inline(always)]
-    fn each(mut wanted: u8) -> impl Iterator<Item = usize> {
-        iter::from_fn(move || {
-            let n = wanted.trailing_zeros() as usize;
-            wanted &= wanted.wrapping_sub(1);
-            (n < 8).then_some(n)
-        })
-    }
-
-    /// The eight lists of cut edges of each word.
-    #[inline]
-    #[target_feature(enable = "avx512f")]
-    fn cuts(&self) -> [__m512i; 8] {
-        let (mut cuts, low) = ([self.cells; 8], self.low);
-        for n in 0..4 {
-            let differ = _mm512_xor_si512(low[n], self.high[n]);
-            cuts[n] = _mm512_and_si512(differ, self.cells);
+    pub(crate) fn push_open_words(&self, out: &mut Vec<Word>) {
+        let open = self.open();
+        if open != 0 {
+            let (corners, active) = (self.corners(), self.active.words());
+            for n in each(open) {
+                let [row, w] = self.place(n);
+                let (corners, active) = (P::eight(corners.as_ref()[n]), active.as_ref()[n]);
+                out.push(Word { corners, cuts: [0; 8], active, row, first: WORD * w });
+            }
         }
-        for n in 0..2 {
-            cuts[4 + n] = _mm512_xor_si512(low[2 * n], low[2 * n + 1]);
-            cuts[6 + n] = _mm512_xor_si512(low[n], low[n + 2]);
-        }
-        transposed(cuts)
     }
 }
 
-/// Goes through the words of rows, eight at a time, and leaves out what is blank.
+/// The places of the bits that are set.
+#[inline(always)]
+fn each(mut wanted: u8) -> impl Iterator<Item = usize> {
+    iter::from_fn(move || {
+        let n = wanted.trailing_zeros() as usize;
+        wanted &= wanted.wrapping_sub(1);
+        (n < 8).then_some(n)
+    })
+}
+
+/// Goes through the words of rows, a pack at a time, and leaves out what is blank.
 ///
-/// Rows lie one behind another, so eight words may be of several rows. Only the words of the last row of
+/// Rows lie one behind another, so a pack may be of several rows. Only the words of the last row of
 /// all are taken apart: it has no next row.
-pub(crate) struct Eights<'a> {
+pub(crate) struct Groups<'a, P> {
     bits: BitRows<'a>,
     /// The rows that are left once these words are through.
     left: Range<usize>,
@@ -131,6 +188,8 @@ pub(crate) struct Eights<'a> {
     /// Row of the word at `at`, and its place in the row.
     place: [usize; 2],
     has_cells: bool,
+    /// Every cell of a word, and those of the last word of a row.
+    cells: [P; 2],
 }
 
 /// Of eight words, of which the first has place `p` in a row of `n` words, which end a row: `[n][p]`, for
@@ -148,15 +207,27 @@ const LAST_OF_ROW: [[u8; 8]; 8] = {
     table
 };
 
-impl<'a> Eights<'a> {
-    pub(crate) fn new(bits: &BitRows<'a>, rows: Range<usize>) -> Self {
-        let place = [rows.start, 0];
-        let flat = [&bits.low[..0]; 4];
-        Self { bits: *bits, left: rows, flat, wanted: 0, at: 0, place, has_cells: false }
+impl<'a, P: Pack> Groups<'a, P> {
+    /// The words of some rows.
+    ///
+    /// # Safety
+    ///
+    /// The machine must have the instructions of the pack.
+    #[inline(always)]
+    pub(crate) unsafe fn new(bits: &BitRows<'a>, rows: Range<usize>) -> Self {
+        let (place, flat) = ([rows.start, 0], [&bits.low[..0]; 4]);
+        // SAFETY: the caller says so.
+        let cells = unsafe { [P::splat(u64::MAX), P::splat(bits.cells(bits.words() - 1))] };
+        Self { bits: *bits, left: rows, flat, wanted: 0, at: 0, place, has_cells: false, cells }
     }
 
     /// Only the words `run` of a row.
-    pub(crate) fn of_run(bits: &BitRows<'a>, row: usize, run: Range<usize>) -> Self {
+    ///
+    /// # Safety
+    ///
+    /// As for [`new`](Self::new).
+    #[inline(always)]
+    unsafe fn of_run(bits: &BitRows<'a>, row: usize, run: Range<usize>) -> Self {
         // The last cell of the run has its high-x corners in the next word, if there is one.
         let end = bits.words().min(run.end + 1);
         let [a, b, c, d] = bits.around(row);
@@ -165,23 +236,23 @@ impl<'a> Eights<'a> {
             wanted: run.len(),
             place: [row, run.start],
             has_cells: bits.has_cells(row),
-            ..Self::new(bits, 0..0)
+            // SAFETY: the caller says so.
+            ..unsafe { Self::new(bits, 0..0) }
         }
     }
 
-    /// The next eight words of which one is not blank.
-    #[inline]
-    #[target_feature(enable = "avx512f,avx512vbmi2")]
-    pub(crate) fn next(&mut self) -> Option<Eight> {
+    /// The next words of which one is not blank.
+    #[inline(always)]
+    pub(crate) fn next(&mut self) -> Option<Group<P>> {
         loop {
             if self.at >= self.wanted && !self.take_rows() {
                 return None;
             }
-            let eight = self.eight();
-            self.at += 8;
-            self.place = eight.place(8);
-            if eight.found != 0 {
-                return Some(eight);
+            let group = self.group();
+            self.at += P::WORDS;
+            self.place = group.place(P::WORDS);
+            if group.found != 0 {
+                return Some(group);
             }
         }
     }
@@ -200,98 +271,104 @@ impl<'a> Eights<'a> {
         true
     }
 
-    #[inline]
-    #[target_feature(enable = "avx512f,avx512vbmi2")]
-    fn eight(&self) -> Eight {
-        let (left, held) = (self.wanted - self.at, self.flat[0].len() - self.at);
-        let own = if left < 8 { (1_u8 << left) - 1 } else { u8::MAX };
-        let next = if held < 9 { (1_u8 << (held - 1)) - 1 } else { u8::MAX };
-        let zero = _mm512_setzero_si512();
-        let (mut low, mut high) = ([zero; 4], [zero; 4]);
-        let (mut any, mut all) = (zero, _mm512_set1_epi64(-1));
-        for (n, row) in self.flat.into_iter().enumerate() {
-            let row = &row[self.at..];
-            // SAFETY: the masks let through only words of the rows, as many as the first has.
-            let (a, b) = unsafe {
-                (
-                    _mm512_maskz_loadu_epi64(own, row.as_ptr().cast()),
-                    _mm512_maskz_loadu_epi64(next, row.as_ptr().wrapping_add(1).cast()),
-                )
-            };
-            (low[n], high[n]) = (a, _mm512_shrdi_epi64::<1>(a, b));
-            any = _mm512_or_si512(any, _mm512_or_si512(a, high[n]));
-            all = _mm512_and_si512(all, _mm512_and_si512(a, high[n]));
+    /// The corners at low x, and at high x.
+    #[inline(always)]
+    fn corners(&self) -> ([P; 4], [P; 4]) {
+        let [every, _] = self.cells;
+        let (mut low, mut high) = ([every; 4], [every; 4]);
+        if self.at + P::WORDS < self.wanted {
+            for (n, row) in self.flat.iter().enumerate() {
+                debug_assert!(row.len() >= self.wanted, "four rows of equally many words");
+                let words = row.as_ptr().wrapping_add(self.at);
+                // SAFETY: who made this said that the machine has the instructions; there are one more than a
+                // pack of words.
+                let next = unsafe { P::load_all(words.wrapping_add(1)) };
+                // SAFETY: as above.
+                low[n] = unsafe { P::load_all(words) };
+                high[n] = low[n].shifted_in(next);
+            }
+            return (low, high);
         }
+        for (n, row) in self.flat.iter().enumerate() {
+            // SAFETY: as above.
+            let next = unsafe { P::load(&row[self.at + 1..]) };
+            // SAFETY: as above.
+            low[n] = unsafe { P::load(&row[self.at..self.wanted]) };
+            high[n] = low[n].shifted_in(next);
+        }
+        (low, high)
+    }
+
+    #[inline(always)]
+    fn group(&self) -> Group<P> {
         let words = self.bits.words();
         let last_of_row = match words < 8 {
             true => LAST_OF_ROW[words][self.place[1]],
             false => (1_u64 << (words - 1 - self.place[1]).min(63)) as u8,
         };
-        let last = self.bits.cells(words - 1) as i64;
-        let cells = _mm512_mask_set1_epi64(_mm512_set1_epi64(-1), last_of_row, last);
-        let crossed = _mm512_and_si512(_mm512_andnot_si512(all, any), cells);
-        let active = if self.has_cells { crossed } else { zero };
-        let x = _mm512_and_si512(_mm512_xor_si512(low[0], high[0]), cells);
-        let (y, z) = (_mm512_xor_si512(low[0], low[1]), _mm512_xor_si512(low[0], low[2]));
-        let some = _mm512_or_si512(_mm512_or_si512(active, x), _mm512_or_si512(y, z));
-        let found = _mm512_test_epi64_mask(some, some);
-        Eight { low, high, cells, active, found, place: self.place, words }
+        let [every, last] = self.cells;
+        let cells = last.at(last_of_row);
+        let (low, high) = self.corners();
+        let ([a, b, c, d], [a1, b1, c1, d1]) = (low, high);
+        let (x, y, z) = ((a ^ a1) & cells, a ^ b, a ^ c);
+        // Cells with corners unlike the first.
+        let crossed = (x | y | z | (a ^ d) | (a ^ b1) | (a ^ c1) | (a ^ d1)) & cells;
+        let active = if self.has_cells { crossed } else { !every };
+        let found = (active | x | y | z).found();
+        Group { low, high, cells, active, found, place: self.place, words }
     }
 }
 
-/// Register `n` of what comes out holds number `n` of each register.
-#[inline]
-#[target_feature(enable = "avx512f")]
-fn transposed(rows: [__m512i; 8]) -> [__m512i; 8] {
-    let mut pairs = rows;
-    for n in 0..4 {
-        pairs[2 * n] = _mm512_unpacklo_epi64(rows[2 * n], rows[2 * n + 1]);
-        pairs[2 * n + 1] = _mm512_unpackhi_epi64(rows[2 * n], rows[2 * n + 1]);
-    }
-    let mut columns = rows;
-    for odd in 0..2 {
-        let [a, b, c, d] = [pairs[odd], pairs[2 + odd], pairs[4 + odd], pairs[6 + odd]];
-        let (ab, cd) = (_mm512_shuffle_i64x2::<0x88>(a, b), _mm512_shuffle_i64x2::<0x88>(c, d));
-        columns[odd] = _mm512_shuffle_i64x2::<0x88>(ab, cd);
-        columns[4 + odd] = _mm512_shuffle_i64x2::<0xDD>(ab, cd);
-        let (ab, cd) = (_mm512_shuffle_i64x2::<0xDD>(a, b), _mm512_shuffle_i64x2::<0xDD>(c, d));
-        columns[2 + odd] = _mm512_shuffle_i64x2::<0x88>(ab, cd);
-        columns[6 + odd] = _mm512_shuffle_i64x2::<0xDD>(ab, cd);
-    }
-    columns
-}
-
-#[inline]
-#[target_feature(enable = "avx512f")]
-pub(crate) fn words(register: __m512i) -> [u64; 8] {
-    let mut words = [0; 8];
-    // SAFETY: eight words are one register; the store needs no alignment.
-    unsafe { _mm512_storeu_epi64(words.as_mut_ptr().cast(), register) };
-    words
-}
-
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-pub(super) fn words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::new(bits, rows), out);
-}
-
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-pub(super) fn words_of_run(bits: &BitRows<'_>, row: usize, run: Range<usize>, out: &mut Vec<Word>) {
-    push_words(Eights::of_run(bits, row, run), out);
-}
-
-#[inline]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-fn push_words(mut eights: Eights<'_>, out: &mut Vec<Word>) {
-    while let Some(eight) = eights.next() {
-        eight.push_words(out);
+/// Adds the words that are not blank.
+#[inline(always)]
+fn push_words<P: Pack>(mut groups: Groups<'_, P>, out: &mut Vec<Word>) {
+    while let Some(group) = groups.next() {
+        group.push_words(out);
     }
 }
 
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2")]
-pub(super) fn open_words_of_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut Vec<Word>) {
-    let mut eights = Eights::new(bits, rows);
-    while let Some(eight) = eights.next() {
-        eight.push_open_words(out);
-    }
+/// The functions of a level.
+macro_rules! level {
+    ($name:ident $pack:ident $features:literal) => {
+        pub(super) mod $name {
+            use super::{BitRows, Groups, Range, Word, push_words, $pack};
+
+            #[target_feature(enable = $features)]
+            pub(in super::super) fn words_of_rows(
+                bits: &BitRows<'_>,
+                rows: Range<usize>,
+                out: &mut Vec<Word>,
+            ) {
+                // SAFETY: this function runs only where the machine has the instructions.
+                push_words(unsafe { Groups::<$pack>::new(bits, rows) }, out);
+            }
+
+            #[target_feature(enable = $features)]
+            pub(in super::super) fn words_of_run(
+                bits: &BitRows<'_>,
+                row: usize,
+                run: Range<usize>,
+                out: &mut Vec<Word>,
+            ) {
+                // SAFETY: as above.
+                push_words(unsafe { Groups::<$pack>::of_run(bits, row, run) }, out);
+            }
+
+            #[target_feature(enable = $features)]
+            pub(in super::super) fn open_words_of_rows(
+                bits: &BitRows<'_>,
+                rows: Range<usize>,
+                out: &mut Vec<Word>,
+            ) {
+                // SAFETY: as above.
+                let mut groups = unsafe { Groups::<$pack>::new(bits, rows) };
+                while let Some(group) = groups.next() {
+                    group.push_open_words(out);
+                }
+            }
+        }
+    };
 }
+
+level!(with_avx2 Four "avx2,bmi1,bmi2,lzcnt,popcnt");
+level!(with_avx512 Eight "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vbmi2,avx512vpopcntdq");
