@@ -55,7 +55,7 @@ pub fn extract<T: Sample>(
 
 /// The surface where the value is `iso`, handed to a sink as one piece. [`TriMesh::refill`] makes a sink
 /// that uses the memory of a mesh again, which takes less time than new memory: no page is touched for the
-/// first time, and samples are read once. What was in it does not matter.
+/// first time. What was in it does not matter.
 ///
 /// # Errors
 ///
@@ -143,7 +143,8 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     })
 }
 
-/// The surface in one sweep, where the sink has memory for it already; or how many slices are filled.
+/// The surface in one sweep, where the sink has memory before it is known how much it takes; or how many slices
+/// are filled.
 fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     view: &View<'_, T>,
     iso: f64,
@@ -166,7 +167,8 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
         winding: Winding::of(view.frame()),
     };
-    let room = if sweep.is_allowed(job) { sink.spare(precision) } else { None };
+    let likely = sweep.likely((precision, sink.wants_normals()), job);
+    let room = if sweep.is_allowed(job) { sink.spare(likely, precision) } else { None };
     let Some(room) = room else { return Ok(ControlFlow::Continue(0)) };
     job.progress.begin("extract", view.dims()[2] as u64);
     let (counts, singular_cells) = match sweep.run(room, job).map_err(ExtractError::from)? {

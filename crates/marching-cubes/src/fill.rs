@@ -106,18 +106,12 @@ impl<T: Sample> Fill<'_, T> {
         job: &Job,
     ) -> Result<(), Cancelled> {
         let tasks = (slices, layers_per_task);
-        let Piece { positions, mut normals, triangles } = piece;
-        prefer_large_pages(triangles);
-        if let Some(normals) = &mut normals {
-            prefer_large_pages(normals);
-        }
+        let Piece { positions, normals, triangles } = in_large_pages(piece);
         match positions {
             PositionsMut::F32(positions) => {
-                prefer_large_pages(positions);
                 self.slabs(tasks, Room { positions, normals }, triangles, job)
             }
             PositionsMut::F64(positions) => {
-                prefer_large_pages(positions);
                 self.slabs(tasks, Room { positions, normals }, triangles, job)
             }
         }
@@ -141,10 +135,7 @@ impl<T: Sample> Fill<'_, T> {
         let fill = |scratch: &mut Scratch, (slices, mut room, mut triangles): Task<'_, C>| {
             job.check()?;
             provide(triangles);
-            provide(room.positions);
-            if let Some(normals) = &mut room.normals {
-                provide(normals);
-            }
+            room.provide();
             exactly(|| {
                 for z in slices {
                     self.slice(z, &mut room, &mut triangles, scratch);
@@ -160,12 +151,13 @@ impl<T: Sample> Fill<'_, T> {
     pub(crate) fn some<C: Coordinate>(
         &self,
         slices: Range<usize>,
-        rest: &mut Rest<'_, C>,
+        rest: Rest<'_, C>,
         scratch: &mut Scratch,
     ) {
-        let Rest { positions, normals, triangles } = rest;
-        let mut room = Room { positions, normals: normals.as_deref_mut() };
-        let mut triangles = &mut **triangles;
+        let Rest { positions, normals, mut triangles } = rest;
+        let mut room = Room { positions, normals };
+        provide(triangles);
+        room.provide();
         for z in slices {
             self.slice(z, &mut room, &mut triangles, scratch);
         }
@@ -300,6 +292,14 @@ impl<T: Sample> Fill<'_, T> {
 }
 
 impl<'a, C: Coordinate> Room<'a, C> {
+    /// Has the system provide its pages.
+    fn provide(&mut self) {
+        provide(self.positions);
+        if let Some(normals) = &mut self.normals {
+            provide(normals);
+        }
+    }
+
     /// Takes room for the first so many vertices.
     pub(crate) fn split_off(&mut self, vertices: usize) -> Room<'a, C> {
         Room {
@@ -307,6 +307,19 @@ impl<'a, C: Coordinate> Room<'a, C> {
             normals: self.normals.as_mut().map(|normals| split_off(normals, vertices)),
         }
     }
+}
+
+/// The same room, under which the system is asked for large pages.
+pub(crate) fn in_large_pages(mut piece: Piece<'_>) -> Piece<'_> {
+    prefer_large_pages(piece.triangles);
+    if let Some(normals) = &mut piece.normals {
+        prefer_large_pages(normals);
+    }
+    match &mut piece.positions {
+        PositionsMut::F32(positions) => prefer_large_pages(positions),
+        PositionsMut::F64(positions) => prefer_large_pages(positions),
+    }
+    piece
 }
 
 /// Takes the first so many.

@@ -1,9 +1,9 @@
 //! All passes at once, over a few slices at a time while their samples are in the cache.
 //!
-//! Where the surface goes into memory that is there already, it is not needed to know how large it is before
-//! the first vertex is written. Slabs of slices are begun in their order. Each is classified and counted,
-//! waits until the slab before it knows how much that makes, takes its part of the memory, and fills it.
-//! Samples around the surface are so read from the cache, where the passes one after another
+//! Where the surface goes into memory that was used before, or into more new memory than it is likely to take, it
+//! is not needed to know how large it is before the first vertex is written. Slabs of slices are begun in their
+//! order. Each is classified and counted, waits until the slab before it knows how much that makes, takes its part of
+//! the memory, and fills it. Samples around the surface are so read from the cache, where the passes one after another
 //! (`planes`, `layout`, `fill`) read them from memory a second time. Numbers and bits are theirs.
 //!
 //! The vertices and triangles between two slabs are the second's, which takes a copy of the last slice of bits of
@@ -11,7 +11,7 @@
 //! everything.
 
 use crate::{
-    fill::{Fill, Rest, Scratch, Winding},
+    fill::{Fill, Rest, Scratch, Winding, in_large_pages},
     layout::{Layout, Row, check_size},
     planes::{Lattice, Planes, behind_guard},
     trilinear::Values,
@@ -19,7 +19,7 @@ use crate::{
 };
 use isokit_job::{Cancelled, Job, Turns};
 use isokit_lanes::{Coordinate, Thresholds, Word, exactly, has_nan, signs_of_many, words};
-use isokit_mesh::{Counts, Piece, PositionsMut};
+use isokit_mesh::{Counts, Piece, PositionsMut, Precision};
 use isokit_volume::{Sample, View};
 use std::{
     ops::Range,
@@ -54,6 +54,9 @@ pub(crate) enum Swept {
 /// Bytes of samples in a slab: with those that the next one looks at they stay in a cache of 2 MiB.
 const SLAB: usize = 1 << 20;
 
+/// Samples of which a surface in new memory is worth a sweep.
+const MANY: u64 = 1 << 19;
+
 /// Slabs per thread at the least.
 const SLABS: usize = 8;
 
@@ -87,7 +90,7 @@ struct Own<T> {
 impl<T: Sample> Sweep<'_, T> {
     /// Fills `room` as far as it goes.
     pub(crate) fn run(&self, room: Piece<'_>, job: &Job) -> Result<Swept, Cancelled> {
-        let Piece { positions, normals, triangles } = room;
+        let Piece { positions, normals, triangles } = in_large_pages(room);
         match positions {
             PositionsMut::F32(positions) => self.slabs(Rest { positions, normals, triangles }, job),
             PositionsMut::F64(positions) => self.slabs(Rest { positions, normals, triangles }, job),
@@ -104,6 +107,22 @@ impl<T: Sample> Sweep<'_, T> {
         let bytes = rows.and_then(|rows| rows.checked_mul(row));
         let bytes = bytes.and_then(|bytes| bytes.checked_mul(threads));
         job.limits.probe("slabs", bytes, 1).is_ok()
+    }
+
+    /// Vertices and triangles that a surface hardly exceeds, in bytes some three times the samples of f32. What is not
+    /// written of so much new memory costs nothing where the system gives pages at their first touch. None
+    /// elsewhere, or if it is not allowed, or if the samples stay in the cache for the passes.
+    pub(crate) fn likely(&self, (precision, has_normals): (Precision, bool), job: &Job) -> Counts {
+        let samples = self.view.dims().iter().map(|&n| n as u64).product::<u64>();
+        // Less than this an allocator might have, and clear all of it.
+        let ample = samples.max(1 << 24);
+        let likely = Counts { vertices: ample / 4, triangles: ample / 2 };
+        let bytes = likely.bytes(precision, has_normals);
+        let gives_pages = cfg!(all(unix, target_pointer_width = "64"));
+        match gives_pages && samples >= MANY && job.limits.probe("surface", bytes, 1).is_ok() {
+            true => likely,
+            false => Counts::default(),
+        }
     }
 
     /// How many slabs there are, and the slices of samples in each but the last.
@@ -185,7 +204,7 @@ impl<T: Sample> Sweep<'_, T> {
             return None;
         }
         let taken = lock(&shared.left).take(&own.layout, end);
-        let Some((mut room, before)) = taken else {
+        let Some((room, before)) = taken else {
             shared.turns.end();
             return None;
         };
@@ -194,7 +213,7 @@ impl<T: Sample> Sweep<'_, T> {
         let (planes, layout) = (&own.planes, &own.layout);
         let Self { placer, values, winding, .. } = *self;
         let fill = Fill { planes, layout, placer, values, winding };
-        fill.some(slices, &mut room, &mut own.scratch);
+        fill.some(slices, room, &mut own.scratch);
         Some(())
     }
 

@@ -114,7 +114,7 @@ impl TriMesh {
     /// A sink that replaces what the mesh holds and uses its memory again. It takes normals if the mesh
     /// has some, be they none: see [`with_normals`](Self::with_normals).
     pub fn refill(&mut self) -> Refill<'_> {
-        Refill { mesh: self, filled: Counts::default(), is_lent: false }
+        Refill { mesh: self, filled: Counts::default(), is_lent: false, is_guessed: false }
     }
 
     /// Room for a new content in place of the old, in memory that is there or new. Normals as in
@@ -195,6 +195,18 @@ impl TriMesh {
         }
         self.triangles.truncate(held.triangles as usize);
     }
+
+    /// Gives back the memory behind what it holds.
+    fn shrink(&mut self) {
+        match &mut self.positions {
+            Positions::F32(all) => all.shrink_to_fit(),
+            Positions::F64(all) => all.shrink_to_fit(),
+        }
+        if let Some(normals) = &mut self.normals {
+            normals.shrink_to_fit();
+        }
+        self.triangles.shrink_to_fit();
+    }
 }
 
 /// Replaces the content of a mesh, in the memory that it has. What is not filled is gone when this is
@@ -205,6 +217,8 @@ pub struct Refill<'a> {
     filled: Counts,
     /// Whether something may be written already behind what is filled.
     is_lent: bool,
+    /// Whether there is memory for more than was known to come.
+    is_guessed: bool,
 }
 
 impl MeshSink for Refill<'_> {
@@ -225,9 +239,14 @@ impl MeshSink for Refill<'_> {
         Ok(self.mesh.room(held, counts, precision))
     }
 
-    /// What the mesh held before, and a little more where there is memory.
-    fn spare(&mut self, precision: Precision) -> Option<Piece<'_>> {
+    /// What the mesh held before, and a little more where there is memory. If it never held anything, new memory,
+    /// of which only what is written becomes real.
+    fn spare(&mut self, likely: Counts, precision: Precision) -> Option<Piece<'_>> {
         self.mesh.make(precision);
+        if self.mesh.counts() == Counts::default() {
+            self.mesh.reserve(likely, 0);
+            self.is_guessed = true;
+        }
         let (held, more) = (self.filled, self.mesh.spare(self.filled));
         self.is_lent = more != Counts::default();
         self.is_lent.then(|| self.mesh.grown(held, more))
@@ -237,6 +256,9 @@ impl MeshSink for Refill<'_> {
 impl Drop for Refill<'_> {
     fn drop(&mut self) {
         self.mesh.truncate(self.filled);
+        if self.is_guessed {
+            self.mesh.shrink();
+        }
     }
 }
 
@@ -304,10 +326,11 @@ mod tests {
     fn what_is_written_to_spare_memory_begins_the_next_piece_whatever_its_size() {
         for (before, after) in [(9, 4), (9, 9), (9, 700), (1, 100_000)] {
             let mut mesh = TriMesh::with_normals();
-            assert!(mesh.refill().spare(Precision::F32).is_none(), "it holds nothing");
+            let none = Counts::default();
+            assert!(mesh.refill().spare(none, Precision::F32).is_none(), "it holds nothing");
             fill(&mut mesh.refill(), before, 1.0);
             let mut refill = mesh.refill();
-            let spare = refill.spare(Precision::F32).unwrap();
+            let spare = refill.spare(none, Precision::F32).unwrap();
             assert_eq!(spare.normals.map(|normals| normals.len() as u64), Some(before));
             spare.triangles[0] = [7; 3];
             let counts = Counts { vertices: after, triangles: 2 * after };
@@ -322,7 +345,27 @@ mod tests {
         }
         let mut other = TriMesh::with_normals();
         fill(&mut other.refill(), 5, 1.0);
-        let spare = other.refill().spare(Precision::F64).map(|spare| spare.triangles.len());
-        assert_eq!(spare, Some(10), "positions in another precision are forgotten");
+        let mut refill = other.refill();
+        let spare = refill.spare(Counts::default(), Precision::F64);
+        assert!(spare.is_none_or(|spare| spare.triangles.len() == 10), "positions are forgotten");
+    }
+
+    #[test]
+    fn of_new_memory_for_what_is_likely_a_mesh_keeps_what_it_holds() {
+        let likely = Counts { vertices: 5_000_000, triangles: 9_000_000 };
+        for vertices in [0, 3, 70_000, 6_000_000] {
+            let mut mesh = TriMesh::with_normals();
+            let mut refill = mesh.refill();
+            let spare = refill.spare(likely, Precision::F32).unwrap();
+            assert_eq!(spare.triangles.len() as u64, likely.triangles);
+            spare.triangles[..2].fill([7; 3]);
+            let counts = Counts { vertices, triangles: 2 * vertices };
+            let piece = refill.piece(counts, Precision::F32).unwrap();
+            assert!(piece.triangles.iter().take(2).all(|&triangle| triangle == [7; 3]));
+            drop(refill);
+            assert_eq!(mesh.counts(), counts);
+            let capacities = [mesh.normals.unwrap().capacity(), mesh.triangles.capacity()];
+            assert_eq!(capacities.map(|capacity| capacity as u64), [vertices, 2 * vertices]);
+        }
     }
 }

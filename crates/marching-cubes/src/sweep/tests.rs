@@ -1,8 +1,8 @@
-//! The sweep against the passes: a mesh that was used before against a new one.
+//! The sweep against the passes, which several isovalues at once go through.
 
 use crate::{
     Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, Topology, extract,
-    extract_into,
+    extract_into, extract_many,
 };
 use isokit_geom::Frame;
 use isokit_job::{Job, Limits, Stopped, Threads};
@@ -26,10 +26,26 @@ fn used(vertices: usize, triangles: usize, precision: Precision) -> TriMesh {
     TriMesh { positions, normals, triangles }
 }
 
-/// Into memory of all sizes, on one thread and on several.
+/// What the passes make.
+fn by_passes<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) -> TriMesh {
+    let mut meshes = [TriMesh::with_normals(), TriMesh::with_normals()];
+    let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
+    extract_many(view, &[iso; 2], options, &mut sinks, &Job::default()).unwrap();
+    drop(sinks);
+    let [mesh, same] = meshes;
+    assert!(mesh == same);
+    mesh
+}
+
+/// Into new memory and into used memory of all sizes, on one thread and on several.
 #[track_caller]
 fn check<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) {
-    let expected = extract(view, iso, options, &Job::default()).unwrap();
+    let expected = by_passes(view, iso, options);
+    for threads in 1..4 {
+        let new = extract(view, iso, options, &job(threads)).unwrap();
+        assert!(new == expected, "{:?}, {iso}, on {threads} threads, {options:?}", view.dims());
+        assert_eq!(new.triangles.capacity(), new.triangles.len());
+    }
     let told = extract_into(view, iso, options, &mut TriMesh::with_normals().refill(), &job(1));
     let (vertices, triangles) = (expected.positions.len(), expected.triangles.len());
     let sizes = [
@@ -120,6 +136,25 @@ fn slices_larger_than_a_slab_are_the_same_in_used_memory() {
 }
 
 #[test]
+fn large_surfaces_are_the_same_in_new_memory_of_whatever_size_is_allowed() {
+    let options = ExtractOptions::DEFAULT;
+    for values in [2, 900] {
+        let volume = volume([101, 80, 90], |n| (chance(n / 7) % values) as u16);
+        let (view, iso) = (volume.view(), values as f64 / 2.0);
+        check(&view, iso, &options);
+        let expected = by_passes(&view, iso, &options);
+        let limits = Limits { bytes: 100_000_000 };
+        let little = extract(&view, iso, &options, &Job { limits, ..job(2) }).unwrap();
+        assert!(little == expected);
+    }
+    let hole = |n| if n == 700_000 { f32::NAN } else { (chance(n / 7) % 5) as f32 };
+    let volume = volume([101, 80, 90], hole);
+    for nan in [Nan::Outside, Nan::Mask] {
+        check(&volume.view(), 2.0, &options.clone().with_nan(nan));
+    }
+}
+
+#[test]
 fn samples_in_any_order_are_the_same_in_used_memory() {
     let samples: Vec<i16> = (0..4000).map(|n| (chance(n) % 9) as i16).collect();
     let grid = Grid::new([10, 8, 20], Frame::default()).unwrap();
@@ -178,7 +213,7 @@ fn where_slabs_take_more_than_is_allowed_the_passes_do_all() {
     let volume = volume([2, 40_000, 3], |n| u8::from(chance(n).is_multiple_of(500)));
     let options = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
     let limits = Limits { bytes: 5 * 40_000 * 24 };
-    let expected = extract(&volume.view(), 0.5, &options, &Job::default()).unwrap();
+    let expected = by_passes(&volume.view(), 0.5, &options);
     assert!(!expected.triangles.is_empty());
     let mut mesh = used(9, 9, Precision::F32);
     let job = Job { limits, ..job(3) };
@@ -198,7 +233,7 @@ proptest! {
     ) {
         let volume = volume(dims, |n| (chance(n ^ seed) % values) as u16);
         let (view, iso, options) = (volume.view(), values as f64 / 2.0, &all_options()[option]);
-        let expected = extract(&view, iso, options, &Job::default()).unwrap();
+        let expected = by_passes(&view, iso, options);
         let mut mesh = used(held.0, held.1, Precision::F32);
         extract_into(&view, iso, options, &mut mesh.refill(), &job(threads)).unwrap();
         prop_assert!(mesh == expected);
