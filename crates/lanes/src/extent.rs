@@ -1,9 +1,12 @@
 //! The least and the greatest sample of blocks, and on which side of a threshold that puts them.
 //!
-//! The loop is written once and compiled again with wider registers allowed. It keeps 64 columns side by
-//! side, so that no step waits for the one before; they are put together only at the end of a block.
+//! The loop is written once and compiled again with wider registers allowed, but for floats with AVX2. It keeps 64
+//! columns side by side, so that no step waits for the one before; they are put together only at the end of a block.
 
 use crate::{Lane, Level, Threshold, WORD, words};
+
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 /// The least and the greatest of some samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,22 +159,6 @@ fn add_row_plain<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
         let mut padded = [*first; WORD];
         padded[..rest.len()].copy_from_slice(rest);
         columns.take(&padded);
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use super::{Columns, add_row_plain};
-    use crate::Lane;
-
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(super) fn add_row_avx2<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
-        add_row_plain(row, columns);
-    }
-
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512dq")]
-    pub(super) fn add_row_avx512<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
-        add_row_plain(row, columns);
     }
 }
 
