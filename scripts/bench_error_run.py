@@ -26,6 +26,7 @@ from kit.bench_error_tools import MODES, OWN, is_double, making, tools
 from kit.bench_measure import quartiles
 from kit.bench_volumes import NAMES, Volume
 from kit.bench_worker import Failed
+from kit.data import as_json
 from kit.program import PROJECT
 
 SIZES = {
@@ -249,7 +250,7 @@ def main() -> int:
                 path = folder / f"{name}.json"
                 if path.exists():
                     data = joined(json.loads(path.read_text()), data)
-                path.write_text(json.dumps(data, indent=1) + "\n")
+                path.write_text(as_json(data))
         finally:
             run.close()
     bench_error_output.write(folder)

@@ -12,7 +12,6 @@ itself alone. Lengths are in samples of the whole. Started by `scripts/bench_hal
 
 import argparse
 import datetime
-import json
 import sys
 import tempfile
 from pathlib import Path
@@ -21,6 +20,7 @@ import numpy as np
 from kit import bench_machine
 from kit.bench_error_measure import rms, to_mesh
 from kit.bench_error_mesh import Mesh, from_ply
+from kit.data import as_json
 from kit.manifest import raw_options, references
 from kit.program import PROJECT, Failed, Isokit
 
@@ -187,7 +187,7 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     data = {"schema": "isokit.bench-halving/1", "date": date, "versions": bench_machine.versions()}
     data |= {"volumes": volumes, "skipped": skipped}
-    (folder / "results.json").write_text(json.dumps(data, indent=1) + "\n")
+    (folder / "results.json").write_text(as_json(data))
     (folder / "results.md").write_text(table(data))
     print(f"wrote {folder}/results.md")
     return 0

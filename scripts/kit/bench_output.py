@@ -1,6 +1,5 @@
 """Table, data and plots of one run. Needs matplotlib."""
 
-import json
 from pathlib import Path
 from statistics import linear_regression
 
@@ -10,6 +9,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 from kit.bench_measure import ENOUGH, MOST, PATIENCE, STEADY, Bench, Result, Series, quartiles
+from kit.data import as_json
 
 SECTIONS = {
     "synthetic": "Against VTK Flying Edges",
@@ -78,7 +78,7 @@ def data(bench: Bench, facts: dict, warning: str) -> str:
         "absent": bench.absent,
         "series": [vars(series) for series in bench.series],
     }
-    return json.dumps(whole, indent=1) + "\n"
+    return as_json(whole)
 
 
 def table(bench: Bench, facts: dict, warning: str) -> str:

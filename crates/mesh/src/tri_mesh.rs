@@ -243,7 +243,7 @@ impl MeshSink for Refill<'_> {
     /// of which only what is written becomes real.
     fn spare(&mut self, likely: Counts, precision: Precision) -> Option<Piece<'_>> {
         self.mesh.make(precision);
-        if self.mesh.counts() == Counts::default() {
+        if self.mesh.counts() == Counts::default() && likely != Counts::default() {
             self.mesh.reserve(likely, 0);
             self.is_guessed = true;
         }
