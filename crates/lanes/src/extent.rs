@@ -166,7 +166,7 @@ fn add_row_plain<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
 mod tests {
     use super::{Columns, Extent, Side, add_row_at};
     use crate::{Lane, Level, Threshold, words};
-    use std::fmt::Debug;
+    use std::{fmt::Debug, slice};
 
     /// The definition, sample by sample.
     fn of<T: Lane>(samples: impl Iterator<Item = T>) -> Extent<T> {
@@ -175,6 +175,10 @@ mod tests {
             None => Extent { has_nan: true, ..Extent::EMPTY },
         };
         samples.map(one).fold(Extent::EMPTY, Extent::with)
+    }
+
+    fn bits<T: Lane>(extent: Extent<T>) -> [u64; 2] {
+        [extent.least, extent.greatest].map(|end| end.into().to_bits())
     }
 
     fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
@@ -192,6 +196,11 @@ mod tests {
                     let block = |row: &Vec<T>| row[64 * w..length.min(64 * w + 64)].to_vec();
                     let expected = of(rows.iter().flat_map(block));
                     assert_eq!(columns.extent(), expected, "{level}, {length} samples");
+                    let mut plain = Columns::EMPTY;
+                    rows.iter().for_each(|row| {
+                        add_row_at(Level::Portable, &block(row), slice::from_mut(&mut plain));
+                    });
+                    assert_eq!(bits(columns.extent()), bits(plain.extent()), "{level}: which zero");
                     assert_eq!(columns.first(), of(rows.iter().map(|row| row[64 * w])));
                     for &bound in bounds {
                         for threshold in [Threshold::AtLeast(bound), Threshold::AtMost(bound)] {
@@ -221,6 +230,8 @@ mod tests {
         check(&[0.0_f32, 2.0], |r| [f32::NAN, 1.0, 2.0, f32::INFINITY][r as usize % 4]);
         check(&[0.0, -0.0, 1.0], |r| if r.is_multiple_of(50) { f64::NAN } else { (r % 2) as f64 });
         check(&[f64::INFINITY], |_| f64::INFINITY);
+        check(&[0.0_f32], |r| [0.0, -0.0, f32::NAN][r as usize % 3]);
+        check(&[0.0_f64], |r| [0.0, -0.0, f64::NAN][r as usize % 3]);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 /// Below this many bytes there is nothing to gain.
 const WORTH_IT: usize = 1 << 20;
 
-/// Asks the system for large pages under memory that nobody has written yet. Elsewhere than on Linux,
+/// Asks the system for large pages under memory that is written for the first time now. Elsewhere than on Linux,
 /// and for little memory, this does nothing; it never changes what the memory holds.
 pub fn prefer_large_pages<T>(memory: &mut [T]) {
     #[cfg(target_os = "linux")]
@@ -19,7 +19,9 @@ pub fn prefer_large_pages<T>(memory: &mut [T]) {
 /// its first write, they cost several times as much. What the memory holds stays.
 pub fn provide<T>(memory: &mut [T]) {
     #[cfg(target_os = "linux")]
-    advise(memory.as_mut_ptr().cast(), size_of_val(memory), libc::MADV_POPULATE_WRITE);
+    if size_of_val(memory) > 0 {
+        advise(memory.as_mut_ptr().cast(), size_of_val(memory), libc::MADV_POPULATE_WRITE);
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -87,7 +87,8 @@ pub fn count<T: Sample>(
 /// The surfaces of several values with one pass over the samples to classify them: the same, byte for
 /// byte, as [`extract_into`] makes one by one. Each value has its sink.
 ///
-/// Beside the output, memory for one bit per sample and value is in use.
+/// Beside the output, memory for one bit per sample and value is in use; of one value, no more than a few slices
+/// where the sink has memory or gets it ([`MeshSink::spare`]).
 ///
 /// # Errors
 ///
@@ -167,7 +168,11 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
         winding: Winding::of(view.frame()),
     };
-    let likely = sweep.likely((precision, sink.wants_normals()), job);
+    let mut likely = sweep.likely((precision, sink.wants_normals()), job);
+    if options.nan == Nan::Mask && sweep.stops_at_nan {
+        // All would be done again.
+        likely = Counts::default();
+    }
     let room = if sweep.is_allowed(job) { sink.spare(likely, precision) } else { None };
     let Some(room) = room else { return Ok(ControlFlow::Continue(0)) };
     job.progress.begin("extract", view.dims()[2] as u64);

@@ -54,7 +54,8 @@ pub(crate) enum Swept {
 /// Bytes of samples in a slab: with those that the next one looks at they stay in a cache of 2 MiB.
 const SLAB: usize = 1 << 20;
 
-/// Samples of which a surface in new memory is worth a sweep.
+/// Samples of which a surface in new memory is worth a sweep: less time from 100³ on, no more from 80³ on
+/// (rows `synthetic` of `scripts/bench`, with other sizes).
 const MANY: u64 = 1 << 19;
 
 /// Slabs per thread at the least.
@@ -109,17 +110,17 @@ impl<T: Sample> Sweep<'_, T> {
         job.limits.probe("slabs", bytes, 1).is_ok()
     }
 
-    /// Vertices and triangles that a surface hardly exceeds, in bytes some three times the samples of f32. What is not
-    /// written of so much new memory costs nothing where the system gives pages at their first touch. None
-    /// elsewhere, or if it is not allowed, or if the samples stay in the cache for the passes.
+    /// Vertices and triangles that few surfaces exceed: those of noise do. So much new memory costs nothing where it
+    /// is not written, if the system gives pages at their first touch, and the allocator has none to clear: glibc
+    /// has no list of 32 MiB and more. Nothing elsewhere, or if twice as much is not allowed and there, or if the
+    /// samples stay in the cache for the passes.
     pub(crate) fn likely(&self, (precision, has_normals): (Precision, bool), job: &Job) -> Counts {
         let samples = self.view.dims().iter().map(|&n| n as u64).product::<u64>();
-        // Less than this an allocator might have, and clear all of it.
         let ample = samples.max(1 << 24);
         let likely = Counts { vertices: ample / 4, triangles: ample / 2 };
         let bytes = likely.bytes(precision, has_normals);
-        let gives_pages = cfg!(all(unix, target_pointer_width = "64"));
-        match gives_pages && samples >= MANY && job.limits.probe("surface", bytes, 1).is_ok() {
+        let gives_pages = cfg!(all(target_os = "linux", target_pointer_width = "64"));
+        match gives_pages && samples >= MANY && job.limits.probe("surface", bytes, 2).is_ok() {
             true => likely,
             false => Counts::default(),
         }

@@ -196,16 +196,26 @@ impl TriMesh {
         self.triangles.truncate(held.triangles as usize);
     }
 
+    /// Whether there is memory for some vertex or triangle.
+    fn has_memory(&self) -> bool {
+        let positions = match &self.positions {
+            Positions::F32(all) => all.capacity(),
+            Positions::F64(all) => all.capacity(),
+        };
+        let normals = self.normals.as_ref().map_or(0, Vec::capacity);
+        positions + normals + self.triangles.capacity() > 0
+    }
+
     /// Gives back the memory behind what it holds.
     fn shrink(&mut self) {
         match &mut self.positions {
-            Positions::F32(all) => all.shrink_to_fit(),
-            Positions::F64(all) => all.shrink_to_fit(),
+            Positions::F32(all) => shrink(all),
+            Positions::F64(all) => shrink(all),
         }
         if let Some(normals) = &mut self.normals {
-            normals.shrink_to_fit();
+            shrink(normals);
         }
-        self.triangles.shrink_to_fit();
+        shrink(&mut self.triangles);
     }
 }
 
@@ -239,16 +249,16 @@ impl MeshSink for Refill<'_> {
         Ok(self.mesh.room(held, counts, precision))
     }
 
-    /// What the mesh held before, and a little more where there is memory. If it never held anything, new memory,
-    /// of which only what is written becomes real.
+    /// What the mesh held before, and a little more where there is memory. Without any, new memory, of which only
+    /// what is written becomes real.
     fn spare(&mut self, likely: Counts, precision: Precision) -> Option<Piece<'_>> {
         self.mesh.make(precision);
-        if self.mesh.counts() == Counts::default() && likely != Counts::default() {
+        if likely != Counts::default() && !self.mesh.has_memory() {
             self.mesh.reserve(likely, 0);
             self.is_guessed = true;
         }
         let (held, more) = (self.filled, self.mesh.spare(self.filled));
-        self.is_lent = more != Counts::default();
+        self.is_lent = more.vertices > 0 && more.triangles > 0;
         self.is_lent.then(|| self.mesh.grown(held, more))
     }
 }
@@ -273,6 +283,16 @@ fn reserve<T: Copy + Default>(all: &mut Vec<T>, count: usize, kept: usize) {
     }
 }
 
+/// Gives back the memory behind the items. Few are copied, so that nothing is left of the pages they were in, of
+/// which the system may give large ones.
+fn shrink<T: Copy>(all: &mut Vec<T>) {
+    const FEW: usize = 1 << 20;
+    match size_of_val(&all[..]) < FEW {
+        true => *all = all.as_slice().into(),
+        false => all.shrink_to_fit(),
+    }
+}
+
 /// So many items there are, and an eighth more if there is memory: the next surface is seldom of the same size,
 /// and what no item was in yet must be cleared.
 fn spare<T>(all: &Vec<T>) -> usize {
@@ -289,83 +309,4 @@ fn room<T: Copy + Default>(all: &mut Vec<T>, held: usize, more: usize) -> &mut [
 }
 
 #[cfg(test)]
-mod tests {
-    use super::TriMesh;
-    use crate::{Counts, MeshSink, Piece, PositionsMut, Precision};
-
-    fn fill(sink: &mut impl MeshSink<Error: std::fmt::Debug>, vertices: u64, value: f32) {
-        let counts = Counts { vertices, triangles: 2 * vertices };
-        let piece = sink.piece(counts, Precision::F32).unwrap();
-        let PositionsMut::F32(positions) = piece.positions else { panic!("asked for f32") };
-        positions.fill([value; 3]);
-        piece.triangles.fill([value as u32; 3]);
-        assert_eq!(piece.triangles.len() as u64, 2 * vertices);
-    }
-
-    #[test]
-    fn a_refilled_mesh_holds_the_new_content_alone_in_the_old_memory() {
-        let mut mesh = TriMesh::with_normals();
-        fill(&mut mesh.refill(), 9, 1.0);
-        let memory = mesh.triangles.as_ptr();
-        let mut refill = mesh.refill();
-        fill(&mut refill, 2, 3.0);
-        fill(&mut refill, 4, 5.0);
-        drop(refill);
-        assert_eq!(mesh.counts(), Counts { vertices: 6, triangles: 12 });
-        assert_eq!((mesh.positions.get(1), mesh.positions.get(2)), ([3.0; 3], [5.0; 3]));
-        assert_eq!(mesh.normals.as_ref().unwrap().len(), 6);
-        assert_eq!(mesh.triangles.as_ptr(), memory);
-        mesh.renew(Counts { vertices: 2, triangles: 12 }, Precision::F32);
-        assert_eq!(mesh.counts(), Counts { vertices: 2, triangles: 12 });
-        assert_eq!(mesh.triangles.as_ptr(), memory);
-        drop(mesh.refill());
-        assert_eq!(mesh.counts(), Counts::default());
-    }
-
-    #[test]
-    fn what_is_written_to_spare_memory_begins_the_next_piece_whatever_its_size() {
-        for (before, after) in [(9, 4), (9, 9), (9, 700), (1, 100_000)] {
-            let mut mesh = TriMesh::with_normals();
-            let none = Counts::default();
-            assert!(mesh.refill().spare(none, Precision::F32).is_none(), "it holds nothing");
-            fill(&mut mesh.refill(), before, 1.0);
-            let mut refill = mesh.refill();
-            let spare = refill.spare(none, Precision::F32).unwrap();
-            assert_eq!(spare.normals.map(|normals| normals.len() as u64), Some(before));
-            spare.triangles[0] = [7; 3];
-            let counts = Counts { vertices: after, triangles: 2 * after };
-            let piece = refill.piece(counts, Precision::F32).unwrap();
-            assert_eq!(piece.triangles[0], [7; 3]);
-            let first = Counts { vertices: after - 1, triangles: 1 };
-            let Piece { positions, triangles, .. } = piece.after(first);
-            let PositionsMut::F32(positions) = positions else { panic!("asked for f32") };
-            assert_eq!((positions.len(), triangles.len() as u64), (1, 2 * after - 1));
-            drop(refill);
-            assert_eq!(mesh.counts(), counts);
-        }
-        let mut other = TriMesh::with_normals();
-        fill(&mut other.refill(), 5, 1.0);
-        let mut refill = other.refill();
-        let spare = refill.spare(Counts::default(), Precision::F64);
-        assert!(spare.is_none_or(|spare| spare.triangles.len() == 10), "positions are forgotten");
-    }
-
-    #[test]
-    fn of_new_memory_for_what_is_likely_a_mesh_keeps_what_it_holds() {
-        let likely = Counts { vertices: 5_000_000, triangles: 9_000_000 };
-        for vertices in [0, 3, 70_000, 6_000_000] {
-            let mut mesh = TriMesh::with_normals();
-            let mut refill = mesh.refill();
-            let spare = refill.spare(likely, Precision::F32).unwrap();
-            assert_eq!(spare.triangles.len() as u64, likely.triangles);
-            spare.triangles[..2].fill([7; 3]);
-            let counts = Counts { vertices, triangles: 2 * vertices };
-            let piece = refill.piece(counts, Precision::F32).unwrap();
-            assert!(piece.triangles.iter().take(2).all(|&triangle| triangle == [7; 3]));
-            drop(refill);
-            assert_eq!(mesh.counts(), counts);
-            let capacities = [mesh.normals.unwrap().capacity(), mesh.triangles.capacity()];
-            assert_eq!(capacities.map(|capacity| capacity as u64), [vertices, 2 * vertices]);
-        }
-    }
-}
+mod tests;

@@ -66,7 +66,7 @@ fn count_groups<P: Pack>(
 fn counts<P: Pack>(group: &Group<P>) -> P::Words {
     let Group { low: [a, b, c, d], high: [a1, b1, c1, d1], cells, .. } = *group;
     let digits = triangles([[a, a1], [b, b1], [c, c1], [d, d1]]);
-    // No closures: they would not be compiled for the level.
+    // No closures: those are not always inlined, and are not compiled for the level then.
     let [ones, twos, fours] = digits;
     let (ones, twos) = ((ones & cells).count_ones(), (twos & cells).count_ones());
     let fours = (fours & cells).count_ones();

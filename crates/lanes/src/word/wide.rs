@@ -13,7 +13,7 @@ use std::{
 pub(crate) use avx2::Four;
 pub(crate) use avx512::Eight;
 
-/// Words in a register. Who holds one has the instructions.
+/// Words in a register. Who holds one has the instructions: only the unsafe functions make one from nothing.
 pub(crate) trait Pack: Bits + Add<Output = Self> {
     /// Its words one by one.
     type Words: AsRef<[u64]>;
@@ -181,7 +181,7 @@ pub(crate) struct Groups<'a, P> {
     bits: BitRows<'a>,
     /// The rows that are left once these words are through.
     left: Range<usize>,
-    /// Words of some rows, and of those beside and above them; there may be more than are wanted.
+    /// Words of some rows, and of those beside and above them: in each list as many as are wanted, or more.
     flat: [&'a [u64]; 4],
     wanted: usize,
     at: usize,
@@ -278,10 +278,10 @@ impl<'a, P: Pack> Groups<'a, P> {
         let (mut low, mut high) = ([every; 4], [every; 4]);
         if self.at + P::WORDS < self.wanted {
             for (n, row) in self.flat.iter().enumerate() {
-                debug_assert!(row.len() >= self.wanted, "four rows of equally many words");
+                debug_assert!(row.len() >= self.wanted, "as many as are wanted");
                 let words = row.as_ptr().wrapping_add(self.at);
-                // SAFETY: who made this said that the machine has the instructions; there are one more than a
-                // pack of words.
+                // SAFETY: who made this said that the machine has the instructions. Each list has as many words
+                // as are wanted, of which one more than a pack are left.
                 let next = unsafe { P::load_all(words.wrapping_add(1)) };
                 // SAFETY: as above.
                 low[n] = unsafe { P::load_all(words) };
@@ -327,7 +327,7 @@ fn push_words<P: Pack>(mut groups: Groups<'_, P>, out: &mut Vec<Word>) {
     }
 }
 
-/// The functions of a level.
+/// The functions of a level, with all of its instructions.
 macro_rules! level {
     ($name:ident $pack:ident $features:literal) => {
         pub(super) mod $name {

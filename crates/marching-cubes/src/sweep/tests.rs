@@ -6,10 +6,10 @@ use crate::{
 };
 use isokit_geom::Frame;
 use isokit_job::{Job, Limits, Stopped, Threads};
-use isokit_mesh::{Positions, Precision, TriMesh};
+use isokit_mesh::{Counts, MeshSink, Piece, Positions, Precision, TriMesh};
 use isokit_volume::{Grid, Sample, View, Volume};
 use proptest::prelude::*;
-use std::num::NonZeroUsize;
+use std::{convert::Infallible, num::NonZeroUsize};
 
 fn job(threads: usize) -> Job {
     let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
@@ -152,6 +152,54 @@ fn large_surfaces_are_the_same_in_new_memory_of_whatever_size_is_allowed() {
     for nan in [Nan::Outside, Nan::Mask] {
         check(&volume.view(), 2.0, &options.clone().with_nan(nan));
     }
+}
+
+#[test]
+fn a_surface_that_new_memory_does_not_suffice_for_is_the_same() {
+    // A vertex on every edge: more than a quarter of 2²⁴.
+    let volume = volume([130, 130, 130], |n| (n % 130 + n / 130 % 130 + n / 16_900) as u8 % 2);
+    let options = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+    let expected = by_passes(&volume.view(), 0.5, &options);
+    assert!(expected.positions.len() > 1 << 22);
+    let new = extract(&volume.view(), 0.5, &options, &job(2)).unwrap();
+    assert!(new == expected);
+}
+
+/// A mesh that tells what it was said to be likely.
+struct Told(TriMesh, Option<Counts>);
+
+impl MeshSink for Told {
+    type Error = Infallible;
+
+    fn wants_normals(&self) -> bool {
+        true
+    }
+
+    fn piece(&mut self, counts: Counts, precision: Precision) -> Result<Piece<'_>, Infallible> {
+        Ok(self.0.renew(counts, precision))
+    }
+
+    fn spare(&mut self, likely: Counts, _: Precision) -> Option<Piece<'_>> {
+        self.1 = Some(likely);
+        None
+    }
+}
+
+#[test]
+#[cfg(all(target_os = "linux", target_pointer_width = "64"))]
+fn new_memory_is_offered_for_large_volumes_where_it_is_allowed_and_of_use() {
+    let likely = |dims, bytes, nan| {
+        let volume = volume(dims, |n| n as f32);
+        let options = ExtractOptions::DEFAULT.with_nan(nan);
+        let (mut told, limits) = (Told(TriMesh::with_normals(), None), Limits { bytes });
+        extract_into(&volume.view(), 9.5, &options, &mut told, &Job { limits, ..job(1) }).unwrap();
+        told.1.unwrap_or_default() != Counts::default()
+    };
+    assert!(likely([101, 80, 90], u64::MAX, Nan::Outside));
+    assert!(likely([101, 80, 90], u64::MAX, Nan::Error));
+    assert!(!likely([101, 80, 90], u64::MAX, Nan::Mask), "one NaN, and all is done again");
+    assert!(!likely([101, 80, 90], 200_000_000, Nan::Outside), "it is not allowed");
+    assert!(!likely([50, 40, 45], u64::MAX, Nan::Outside), "the samples stay in the cache");
 }
 
 #[test]
