@@ -154,12 +154,18 @@ fn add_row_plain<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
     for (samples, columns) in whole.iter().zip(&mut *columns) {
         columns.take(samples);
     }
-    if let ([first, ..], Some(columns)) = (rest, columns.last_mut()) {
-        // The first once more in place of those that are not there.
-        let mut padded = [*first; WORD];
-        padded[..rest.len()].copy_from_slice(rest);
-        columns.take(&padded);
+    if let (Some(samples), Some(columns)) = (padded(rest), columns.last_mut()) {
+        columns.take(&samples);
     }
+}
+
+/// The samples behind the last whole columns, if there are some, and the first of them once more in place of those that
+/// are not there.
+#[inline(always)]
+fn padded<T: Lane>(rest: &[T]) -> Option<[T; WORD]> {
+    let mut padded = [*rest.first()?; WORD];
+    padded[..rest.len()].copy_from_slice(rest);
+    Some(padded)
 }
 
 #[cfg(test)]

@@ -54,8 +54,7 @@ pub(crate) enum Swept {
 /// Bytes of samples in a slab: with those that the next one looks at they stay in a cache of 2 MiB.
 const SLAB: usize = 1 << 20;
 
-/// Samples of which a surface in new memory is worth a sweep: less time from 100³ on, no more from 80³ on
-/// (rows `synthetic` of `scripts/bench`, with other sizes).
+/// Samples of which a surface in new memory is worth a sweep. Fewer are in the cache for each of the passes.
 const MANY: u64 = 1 << 19;
 
 /// Slabs per thread at the least.

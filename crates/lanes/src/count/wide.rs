@@ -8,29 +8,28 @@ use crate::{
 };
 use std::ops::Range;
 
-#[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
-)]
-pub(super) fn count_rows_avx512(
-    bits: &BitRows<'_>,
-    rows: Range<usize>,
-    out: &mut [RowCounts],
-    open: Option<&mut Vec<Word>>,
-) {
-    // SAFETY: this function runs only where the machine has the instructions.
-    count_groups(unsafe { Groups::<Eight>::new(bits, rows.clone()) }, (bits, rows), out, open);
+/// The function of a level.
+macro_rules! level {
+    ($name:ident $pack:ident $features:literal) => {
+        #[target_feature(enable = $features)]
+        pub(super) fn $name(
+            bits: &BitRows<'_>,
+            rows: Range<usize>,
+            out: &mut [RowCounts],
+            open: Option<&mut Vec<Word>>,
+        ) {
+            // SAFETY: this function runs only where the machine has the instructions.
+            let groups = unsafe { Groups::<$pack>::new(bits, rows.clone()) };
+            count_groups(groups, (bits, rows), out, open);
+        }
+    };
 }
 
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-pub(super) fn count_rows_avx2(
-    bits: &BitRows<'_>,
-    rows: Range<usize>,
-    out: &mut [RowCounts],
-    open: Option<&mut Vec<Word>>,
-) {
-    // SAFETY: as above.
-    count_groups(unsafe { Groups::<Four>::new(bits, rows.clone()) }, (bits, rows), out, open);
-}
+level!(count_rows_avx2 Four "avx2,bmi1,bmi2,lzcnt,popcnt");
+level!(
+    count_rows_avx512 Eight
+    "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
+);
 
 #[inline(always)]
 fn count_groups<P: Pack>(

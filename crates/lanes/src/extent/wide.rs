@@ -1,6 +1,6 @@
 //! The loop with wider registers.
 
-use super::{Columns, add_row_plain};
+use super::{Columns, add_row_plain, padded};
 use crate::{Lane, WORD, signs::prefetch_ahead};
 use std::{any::TypeId, arch::x86_64::*, slice};
 
@@ -9,8 +9,8 @@ pub(super) fn add_row_avx512<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
     add_row_plain(row, columns);
 }
 
-/// With loops of their own for floats: the compiler would make a masked store of each that changes, in row `index` of
-/// `scripts/bench` three times as slow.
+/// With loops of their own for floats, of which the compiler would store each that changes by a mask: row `index` of
+/// `scripts/bench`.
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) fn add_row_avx2<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
     if let Some((row, columns)) = as_type(row, columns) {
@@ -47,10 +47,8 @@ macro_rules! floats {
             for (samples, columns) in whole.iter().zip(&mut *columns) {
                 $take(columns, samples);
             }
-            if let ([first, ..], Some(columns)) = (rest, columns.last_mut()) {
-                let mut padded = [*first; WORD];
-                padded[..rest.len()].copy_from_slice(rest);
-                $take(columns, &padded);
+            if let (Some(samples), Some(columns)) = (padded(rest), columns.last_mut()) {
+                $take(columns, &samples);
             }
         }
 

@@ -1,5 +1,8 @@
 //! Several words in a register, of one row or of several.
 
+#[macro_use]
+mod operators;
+
 mod avx2;
 mod avx512;
 

@@ -140,34 +140,10 @@ fn transposed([a, b, c, d]: [Four; 4]) -> [Four; 4] {
     }
 }
 
-impl Bits for Four {}
-
-impl Not for Four {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        // SAFETY: there is a register.
-        self ^ Self(unsafe { _mm256_set1_epi64x(-1) })
-    }
-}
-
-/// An operation of two registers.
-macro_rules! operator {
-    ($trait:ident $name:ident $of_bits:ident) => {
-        impl $trait for Four {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: there is a register.
-                Self(unsafe { $of_bits(self.0, other.0) })
-            }
-        }
-    };
-}
-
-operator!(Add add _mm256_add_epi64);
-operator!(BitAnd bitand _mm256_and_si256);
-operator!(BitOr bitor _mm256_or_si256);
-operator!(BitXor bitxor _mm256_xor_si256);
+operators!(
+    Four _mm256_set1_epi64x(-1),
+    Add add _mm256_add_epi64,
+    BitAnd bitand _mm256_and_si256,
+    BitOr bitor _mm256_or_si256,
+    BitXor bitxor _mm256_xor_si256
+);

@@ -115,34 +115,10 @@ fn transposed(rows: [__m512i; 8]) -> [__m512i; 8] {
     columns
 }
 
-impl Bits for Eight {}
-
-impl Not for Eight {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        // SAFETY: there is a register.
-        self ^ Self(unsafe { _mm512_set1_epi64(-1) })
-    }
-}
-
-/// An operation of two registers.
-macro_rules! operator {
-    ($trait:ident $name:ident $of_bits:ident) => {
-        impl $trait for Eight {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: there is a register.
-                Self(unsafe { $of_bits(self.0, other.0) })
-            }
-        }
-    };
-}
-
-operator!(Add add _mm512_add_epi64);
-operator!(BitAnd bitand _mm512_and_si512);
-operator!(BitOr bitor _mm512_or_si512);
-operator!(BitXor bitxor _mm512_xor_si512);
+operators!(
+    Eight _mm512_set1_epi64(-1),
+    Add add _mm512_add_epi64,
+    BitAnd bitand _mm512_and_si512,
+    BitOr bitor _mm512_or_si512,
+    BitXor bitxor _mm512_xor_si512
+);
