@@ -1,11 +1,19 @@
 //! How many vertices and triangles there are between two slices, where nobody asks which row makes them.
 //!
 //! A cell has as many triangles as `euler.rs` says: corners − 2 · faces + 4 · cell, of what is inside completely,
-//! and four fewer where there is a hole. In a sum over cells neighbours share most of that, so no cell is looked
-//! at by itself: a slice gives its points and faces once, for the cells below and above it. And a cell that is
-//! inside has both of its faces across x inside, which together take away what the cell adds.
+//! and four fewer where there is a hole. Take a cell with its four edges along x. Corners less twice the edges
+//! that are inside are the cut edges; edges less twice the faces that join them, pair by pair, are the pairs of
+//! which just one is inside; and so of the faces across x and the cell. So a cell has
+//!
+//! > cut edges along x + pairs of neighbouring edges along x of which one is inside
+//! > − 2 (one of the faces across x is inside) − 4 holes
+//!
+//! triangles. In a sum over cells neighbours share most of that, so no cell is looked at by itself.
 
-use crate::Level;
+use crate::{Level, euler::Bits};
+
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 /// What a slice has by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,6 +43,32 @@ pub struct Rows<'a> {
     pub cells: &'a [u64],
 }
 
+/// Numbers of bits in a slice.
+#[derive(Clone, Copy, Debug, Default)]
+struct InSlice {
+    /// Cut edges along x of all rows, and those of the first and the last.
+    cut: u64,
+    cut_of_ends: u64,
+    /// Cut edges along y.
+    along_y: u64,
+    /// Neighbouring edges along x of which one is inside.
+    pairs: u64,
+}
+
+/// Numbers of bits in two slices and between them.
+#[derive(Clone, Copy, Debug, Default)]
+struct InCells {
+    /// Cut edges along z.
+    along_z: u64,
+    /// Edges along x, one above another, of which one is inside: of all rows, and of the first and the last.
+    pairs: u64,
+    pairs_of_ends: u64,
+    /// Cells of which one of both faces across x is inside.
+    faces: u64,
+    /// Cells of which just two corners are outside, opposite ones.
+    holes: u64,
+}
+
 impl Rows<'_> {
     /// What a slice has by itself.
     ///
@@ -55,151 +89,208 @@ impl Rows<'_> {
     }
 
     fn flat_at(&self, level: Level, slice: &[u64]) -> Flat {
-        let [first, inner, last] = self.sums::<InSlice>(level, [slice; 2]);
-        // Each row of cells has the points of two rows.
-        let points = 2 * inner.points + last.points - first.points;
-        Flat {
-            vertices: inner.along_x + last.along_x + inner.along_y,
-            share: points - 2 * inner.faces,
-        }
-    }
-
-    fn between_at(&self, level: Level, low: (&[u64], Flat), high: (&[u64], Flat)) -> Between {
-        let [first, inner, last] = self.sums::<InCells>(level, [low.0, high.0]);
-        let across_y = 2 * inner.across_y + last.across_y - first.across_y;
-        let taken = 2 * (across_y + inner.across_x) + 4 * inner.holes;
-        Between {
-            vertices: inner.along_z + last.along_z,
-            triangles: low.1.share + high.1.share - taken,
-        }
-    }
-
-    /// The sums of the first row, of all rows but the last, and of the last. Rows that stand alone have themselves
-    /// as the next.
-    fn sums<S: Sums>(&self, level: Level, slices: [&[u64]; 2]) -> [S; 3] {
-        let Self { words, cells } = *self;
-        let last = cells.len().checked_sub(words).expect("a slice has rows");
-        slices.iter().for_each(|slice| assert_eq!(slice.len(), cells.len() + 1, "one word more"));
-        let [low, high] = slices;
-        let row = |at: usize| {
-            let [low, high] = slices.map(|slice| &slice[at..=at + words]);
-            S::at(level, [low, low, high, high], &cells[at..at + words])
-        };
-        let inner = [&low[..=last], &low[words..], &high[..=last], &high[words..]];
-        [row(0), S::at(level, inner, &cells[..last]), row(last)]
-    }
-}
-
-/// Numbers of bits in the words of four rows, at y, z = 00, 10, 01, 11. A row has one word more than there are
-/// words of cells.
-trait Sums: Sized {
-    /// The one loop for all levels, which the compiler makes as wide as it may. It has no closures: those are not
-    /// always inlined, and then it checks every index.
-    fn of(rows: [&[u64]; 4], cells: &[u64]) -> Self;
-
-    fn at(level: Level, rows: [&[u64]; 4], cells: &[u64]) -> Self {
-        match level {
+        self.check([slice]);
+        let sums = match level {
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 => {
                 level.assert_available();
                 // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-                unsafe { sums_avx512(rows, cells) }
+                unsafe { in_slice_avx512(self, slice) }
             }
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => {
                 level.assert_available();
                 // SAFETY: as above.
-                unsafe { sums_avx2(rows, cells) }
+                unsafe { wide::in_slice_avx2(self, slice) }
             }
-            _ => Self::of(rows, cells),
-        }
+            _ => in_slice(self, slice),
+        };
+        let InSlice { cut, cut_of_ends, along_y, pairs } = sums;
+        // Each row of cells has the edges of two rows.
+        Flat { vertices: cut + along_y, share: 2 * cut - cut_of_ends + pairs }
     }
-}
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn sums_avx2<S: Sums>(rows: [&[u64]; 4], cells: &[u64]) -> S {
-    S::of(rows, cells)
+    fn between_at(&self, level: Level, low: (&[u64], Flat), high: (&[u64], Flat)) -> Between {
+        let slices = [low.0, high.0];
+        self.check(slices);
+        let sums = match level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => {
+                level.assert_available();
+                // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+                unsafe { in_cells_avx512(self, slices) }
+            }
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => {
+                level.assert_available();
+                // SAFETY: as above.
+                unsafe { wide::in_cells_avx2(self, slices) }
+            }
+            _ => in_cells(self, slices),
+        };
+        let InCells { along_z, pairs, pairs_of_ends, faces, holes } = sums;
+        let shares = low.1.share + high.1.share + 2 * pairs - pairs_of_ends;
+        Between { vertices: along_z, triangles: shares - 2 * faces - 4 * holes }
+    }
+
+    fn check<const N: usize>(&self, slices: [&[u64]; N]) {
+        let Self { words, cells } = *self;
+        assert!(words > 0 && !cells.is_empty(), "a slice has rows");
+        assert!(cells.len().is_multiple_of(words), "all rows have as many words");
+        slices.iter().for_each(|slice| assert_eq!(slice.len(), cells.len() + 1, "one word more"));
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(
     enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
 )]
-fn sums_avx512<S: Sums>(rows: [&[u64]; 4], cells: &[u64]) -> S {
-    S::of(rows, cells)
+fn in_slice_avx512(rows: &Rows<'_>, slice: &[u64]) -> InSlice {
+    in_slice(rows, slice)
 }
 
-/// What one slice has.
-#[derive(Clone, Copy, Debug, Default)]
-struct InSlice {
-    /// Cut edges.
-    along_x: u64,
-    along_y: u64,
-    /// Corners of cells in the rows themselves, inside.
-    points: u64,
-    /// Faces of cells across z, inside.
-    faces: u64,
+#[cfg(target_arch = "x86_64")]
+#[target_feature(
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
+)]
+fn in_cells_avx512(rows: &Rows<'_>, slices: [&[u64]; 2]) -> InCells {
+    in_cells(rows, slices)
 }
 
-impl Sums for InSlice {
-    #[inline(always)]
-    fn of([a, b, ..]: [&[u64]; 4], cells: &[u64]) -> Self {
-        let (n, mut sums) = (cells.len(), Self::default());
-        let (a, a1, b, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
-        for i in 0..n {
-            let ([a, a1], [b, b1]) = (along_x(a[i], a1[i]), along_x(b[i], b1[i]));
-            let cells = cells[i];
-            let (differ, both) = ((a ^ a1) & cells, a & a1 & cells);
-            let differing = u64::from(differ.count_ones());
-            sums.along_x += differing;
-            sums.along_y += u64::from((a ^ b).count_ones());
-            sums.points += differing + 2 * u64::from(both.count_ones());
-            sums.faces += u64::from((both & b & b1).count_ones());
-        }
-        sums
+/// By plain loops, which the compiler makes as wide as it may.
+#[inline(always)]
+fn in_slice(&Rows { words, cells }: &Rows<'_>, slice: &[u64]) -> InSlice {
+    let last = cells.len() - words;
+    let inner = in_lines([slice, &slice[words..]], &cells[..last]);
+    // Rows that stand alone have themselves as the next.
+    let end = in_lines([&slice[last..]; 2], &cells[last..]);
+    let first = in_lines([slice; 2], &cells[..words]);
+    InSlice { cut: inner.cut + end.cut, cut_of_ends: first.cut + end.cut, ..inner }
+}
+
+/// By plain loops.
+#[inline(always)]
+fn in_cells(&Rows { words, cells }: &Rows<'_>, [low, high]: [&[u64]; 2]) -> InCells {
+    let last = cells.len() - words;
+    let inner = in_walls([low, &low[words..], high, &high[words..]], &cells[..last]);
+    let [low_end, high_end] = [&low[last..], &high[last..]];
+    let end = in_walls([low_end, low_end, high_end, high_end], &cells[last..]);
+    let first = in_walls([low, low, high, high], &cells[..words]);
+    InCells {
+        along_z: inner.along_z + end.along_z,
+        pairs: inner.pairs + end.pairs,
+        pairs_of_ends: first.pairs + end.pairs,
+        ..inner
     }
 }
 
-/// What two slices and the cells between them have.
-#[derive(Clone, Copy, Debug, Default)]
-struct InCells {
-    /// Cut edges.
-    along_z: u64,
-    /// Faces of cells in the rows themselves, inside.
-    across_y: u64,
-    /// Cells of which one of both faces across x is inside.
-    across_x: u64,
-    /// Cells of which just two corners are outside, opposite ones.
-    holes: u64,
+/// The words of rows and of those beside them, at y = 0, 1. A row has one word more than there are words of cells.
+/// There are no closures: those are not always inlined, and then every index is checked.
+#[inline(always)]
+fn in_lines([a, b]: [&[u64]; 2], cells: &[u64]) -> InSlice {
+    let (n, mut sums) = (cells.len(), InSlice::default());
+    let (a, a1, b, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
+    for i in 0..n {
+        let line = Line::new(along_x(a[i], a1[i]), cells[i]);
+        let [y, pairs] = line.beside(&Line::new(along_x(b[i], b1[i]), cells[i]));
+        sums.cut += u64::from(line.cut.count_ones());
+        sums.along_y += u64::from(y.count_ones());
+        sums.pairs += u64::from(pairs.count_ones());
+    }
+    sums
 }
 
-impl Sums for InCells {
-    #[inline(always)]
-    fn of([a, b, c, d]: [&[u64]; 4], cells: &[u64]) -> Self {
-        let (n, mut sums) = (cells.len(), Self::default());
-        let (a, a1, b, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
-        let (c, c1, d, d1) = (&c[..n], &c[1..=n], &d[..n], &d[1..=n]);
-        for i in 0..n {
-            let ([a, a1], [b, b1]) = (along_x(a[i], a1[i]), along_x(b[i], b1[i]));
-            let ([c, c1], [d, d1]) = (along_x(c[i], c1[i]), along_x(d[i], d1[i]));
-            let cells = cells[i];
-            let across_x = (a & b & c & d) ^ (a1 & b1 & c1 & d1);
-            let on_one = (a ^ a1) & (a ^ d) & (d ^ d1) & (b & b1 & c & c1);
-            let on_other = (b ^ b1) & (b ^ c) & (c ^ c1) & (a & a1 & d & d1);
-            sums.along_z += u64::from((a ^ c).count_ones());
-            sums.across_y += u64::from((a & a1 & c & c1 & cells).count_ones());
-            sums.across_x += u64::from((across_x & cells).count_ones());
-            sums.holes += u64::from(((on_one | on_other) & cells).count_ones());
-        }
-        sums
+/// The same of two slices, at y, z = 00, 10, 01, 11.
+#[inline(always)]
+fn in_walls([a, b, c, d]: [&[u64]; 4], cells: &[u64]) -> InCells {
+    let (n, mut sums) = (cells.len(), InCells::default());
+    let (a, a1, b, b1) = (&a[..n], &a[1..=n], &b[..n], &b[1..=n]);
+    let (c, c1, d, d1) = (&c[..n], &c[1..=n], &d[..n], &d[1..=n]);
+    for i in 0..n {
+        let (a, b) = (along_x(a[i], a1[i]), along_x(b[i], b1[i]));
+        let (c, d) = (along_x(c[i], c1[i]), along_x(d[i], d1[i]));
+        let (wall, [z, pairs]) = Wall::new(a, c, cells[i]);
+        let (next, _) = Wall::new(b, d, cells[i]);
+        let holes = wall.holes(&next, [a[0] ^ d[0], b[0] ^ c[0]]);
+        sums.along_z += u64::from(z.count_ones());
+        sums.pairs += u64::from(pairs.count_ones());
+        sums.faces += u64::from((wall.faces(&next) & cells[i]).count_ones());
+        sums.holes += u64::from(holes.count_ones());
     }
+    sums
 }
 
 /// A word of a row, which another follows, and the same of the points that follow along x.
 #[inline(always)]
 fn along_x(word: u64, next: u64) -> [u64; 2] {
     [word, word >> 1 | next << 63]
+}
+
+/// A row of points.
+#[derive(Clone, Copy)]
+struct Line<B> {
+    points: B,
+    /// Edges along x that are cut, and that are inside.
+    cut: B,
+    edges: B,
+}
+
+impl<B: Bits> Line<B> {
+    /// Given are the points at low and high x.
+    #[inline(always)]
+    fn new([points, high]: [B; 2], cells: B) -> Self {
+        Self { points, cut: (points ^ high) & cells, edges: points & high & cells }
+    }
+
+    /// Cut edges along y to the row beside it, and neighbouring edges along x of which one is inside.
+    #[inline(always)]
+    fn beside(&self, next: &Self) -> [B; 2] {
+        [self.points ^ next.points, self.edges ^ next.edges]
+    }
+}
+
+/// A row of a slice and the one above it.
+#[derive(Clone, Copy)]
+struct Wall<B> {
+    /// Edges along x that are cut, and that are inside: in the lower slice and in the higher one.
+    cut: [B; 2],
+    edges: [B; 2],
+    /// Edges along z that are inside, at low and high x.
+    upright: [B; 2],
+}
+
+impl<B: Bits> Wall<B> {
+    /// Given are the points of both slices at low and high x. With it come its cut edges along z, and edges along
+    /// x, one above another, of which one is inside.
+    #[inline(always)]
+    fn new([a, a1]: [B; 2], [c, c1]: [B; 2], cells: B) -> (Self, [B; 2]) {
+        let edges = [a & a1 & cells, c & c1 & cells];
+        let wall = Self { cut: [a ^ a1, c ^ c1], edges, upright: [a & c, a1 & c1] };
+        (wall, [a ^ c, edges[0] ^ edges[1]])
+    }
+
+    /// Of the cells to the wall beside it, and of what follows behind the last cell of a row, those of which one
+    /// face across x is inside.
+    #[inline(always)]
+    fn faces(&self, next: &Self) -> B {
+        (self.upright[0] & next.upright[0]) ^ (self.upright[1] & next.upright[1])
+    }
+
+    /// Cells of which two opposite edges along x are inside and the other two are cut.
+    #[inline(always)]
+    fn saddles(&self, next: &Self) -> [B; 2] {
+        let one = self.cut[0] & next.cut[1] & next.edges[0] & self.edges[1];
+        let other = next.cut[0] & self.cut[1] & self.edges[0] & next.edges[1];
+        [one, other]
+    }
+
+    /// Those of which just two corners are outside, opposite ones. Given is which points at low x differ from the
+    /// opposite ones.
+    #[inline(always)]
+    fn holes(&self, next: &Self, differ: [B; 2]) -> B {
+        let [one, other] = self.saddles(next);
+        one & differ[0] | other & differ[1]
+    }
 }
 
 #[cfg(test)]
@@ -216,16 +307,21 @@ mod tests {
         };
         for points in (1..=140_usize).chain([511, 512, 513, 700]) {
             let words = points.div_ceil(64);
-            for rows in [1, 2, 3, 8] {
-                let mut slice = |dense: bool| -> Vec<u64> {
+            for rows in [1, 2, 3, 8, 70] {
+                let mut slice = |kind: usize| -> Vec<u64> {
                     let mut word = |n: usize| {
-                        let word = if dense { chance() } else { chance() | chance() | chance() };
+                        let word = match kind {
+                            0 => chance(),
+                            1 => chance() | chance() | chance(),
+                            // Every edge along y is cut.
+                            _ => (n / words % 2) as u64 * u64::MAX,
+                        };
                         let is_cut = n % words == words - 1 && !points.is_multiple_of(64);
                         if is_cut { word & ((1 << (points % 64)) - 1) } else { word }
                     };
                     (0..words * rows).map(&mut word).collect()
                 };
-                let slices = [slice(points % 2 == 0), slice(points % 3 == 0)];
+                let slices = [slice(points % 3), slice((points + rows) % 5)];
                 let count = |low: &[u64], high: Option<&[u64]>| {
                     let mut counts = vec![RowCounts::default(); rows];
                     count_rows(&BitRows::new(low, high, points), 0..rows, &mut counts);

@@ -1,7 +1,10 @@
 //! The loop with wider registers.
 
 use super::{Columns, add_row_plain, padded};
-use crate::{Lane, WORD, signs::prefetch_ahead};
+use crate::{
+    Lane, WORD,
+    signs::{avx2::AHEAD, prefetch_ahead},
+};
 use std::{any::TypeId, arch::x86_64::*, slice};
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512dq")]
@@ -55,7 +58,7 @@ macro_rules! floats {
         #[inline]
         #[target_feature(enable = "avx2")]
         fn $take(columns: &mut Columns<$t>, samples: &[$t; WORD]) {
-            prefetch_ahead(samples);
+            prefetch_ahead::<AHEAD, _>(samples);
             let (parts, _) = samples.as_chunks::<$lanes>();
             let (least, _) = columns.least.as_chunks_mut::<$lanes>();
             let (greatest, _) = columns.greatest.as_chunks_mut::<$lanes>();

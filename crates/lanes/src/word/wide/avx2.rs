@@ -78,16 +78,7 @@ impl Pack for Four {
 
     #[inline(always)]
     fn count_ones(self) -> Self {
-        // SAFETY: there is a register.
-        unsafe {
-            let nibbles = _mm256_set1_epi8(0xF);
-            let ones = _mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
-            let ones = _mm256_broadcastsi128_si256(ones);
-            let low = _mm256_and_si256(self.0, nibbles);
-            let high = _mm256_and_si256(_mm256_srli_epi16::<4>(self.0), nibbles);
-            let (low, high) = (_mm256_shuffle_epi8(ones, low), _mm256_shuffle_epi8(ones, high));
-            Self(_mm256_sad_epu8(_mm256_add_epi8(low, high), _mm256_setzero_si256()))
-        }
+        self.ones_of_bytes().sums_of_bytes()
     }
 
     #[inline(always)]
@@ -121,6 +112,36 @@ impl Pack for Four {
     fn eight([low, high]: [Four; 2]) -> [u64; 8] {
         let ([a, b, c, d], [e, f, g, h]) = (low.words(), high.words());
         [a, b, c, d, e, f, g, h]
+    }
+}
+
+impl Four {
+    /// How many bits of each byte are set.
+    #[inline(always)]
+    pub(crate) fn ones_of_bytes(self) -> Self {
+        // SAFETY: there is a register.
+        Self(unsafe {
+            let nibbles = _mm256_set1_epi8(0xF);
+            let ones = _mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
+            let ones = _mm256_broadcastsi128_si256(ones);
+            let low = _mm256_and_si256(self.0, nibbles);
+            let high = _mm256_and_si256(_mm256_srli_epi16::<4>(self.0), nibbles);
+            _mm256_add_epi8(_mm256_shuffle_epi8(ones, low), _mm256_shuffle_epi8(ones, high))
+        })
+    }
+
+    /// Each byte with the same of another added.
+    #[inline(always)]
+    pub(crate) fn add_bytes(self, other: Self) -> Self {
+        // SAFETY: there is a register.
+        Self(unsafe { _mm256_add_epi8(self.0, other.0) })
+    }
+
+    /// The sum of the bytes of each word.
+    #[inline(always)]
+    pub(crate) fn sums_of_bytes(self) -> Self {
+        // SAFETY: there is a register.
+        Self(unsafe { _mm256_sad_epu8(self.0, _mm256_setzero_si256()) })
     }
 }
 
