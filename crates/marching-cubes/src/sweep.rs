@@ -54,6 +54,9 @@ pub(crate) enum Swept {
 /// Bytes of samples in a slab: with those that the next one looks at they stay in a cache of 2 MiB.
 const SLAB: usize = 1 << 20;
 
+/// Slices in a slab, even if they are larger: the last one is looked at by the next slab too.
+const SLICES: usize = 2;
+
 /// Samples of which a surface in new memory is worth a sweep. Fewer are in the cache for each of the passes.
 const MANY: u64 = 1 << 19;
 
@@ -129,7 +132,7 @@ impl<T: Sample> Sweep<'_, T> {
     fn size(&self, job: &Job) -> [usize; 2] {
         let [nx, ny, slices] = self.view.dims();
         let fit = SLAB / (nx * ny * size_of::<T>());
-        let per_slab = fit.min(slices / (job.threads.count() * SLABS)).max(1);
+        let per_slab = fit.max(SLICES).min(slices / (job.threads.count() * SLABS)).max(1);
         [slices.div_ceil(per_slab), per_slab]
     }
 
