@@ -2,8 +2,8 @@
 //!
 //! A cell has as many triangles as `euler.rs` says: corners − 2 · faces + 4 · cell, of what is inside completely,
 //! and four fewer where there is a hole. Take a cell with its four edges along x. Corners less twice the edges
-//! that are inside are the cut edges; edges less twice the faces that join them, pair by pair, are the pairs of
-//! which just one is inside; and so of the faces across x and the cell. So a cell has
+//! that are inside are the cut edges; each edge is in two pairs, so twice the edges less twice the faces that join
+//! them are the pairs of which just one is inside; and so of the faces across x and the cell. So a cell has
 //!
 //! > cut edges along x + pairs of neighbouring edges along x of which one is inside
 //! > − 2 (one of the faces across x is inside) − 4 holes
@@ -63,10 +63,31 @@ struct InCells {
     /// Edges along x, one above another, of which one is inside: of all rows, and of the first and the last.
     pairs: u64,
     pairs_of_ends: u64,
-    /// Cells of which one of both faces across x is inside.
+    /// Cells of which just one of both faces across x is inside.
     faces: u64,
     /// Cells of which just two corners are outside, opposite ones.
     holes: u64,
+}
+
+/// A function with the instructions of a level, or the one that is made for the level.
+macro_rules! at_level {
+    ($level:expr, $plain:ident $avx2:ident $avx512:ident, $arguments:tt) => {
+        match $level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => {
+                $level.assert_available();
+                // SAFETY: the machine has the level, asserted above; the function asks nothing else.
+                unsafe { $avx512 $arguments }
+            }
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => {
+                $level.assert_available();
+                // SAFETY: as above.
+                unsafe { wide::$avx2 $arguments }
+            }
+            _ => $plain $arguments,
+        }
+    };
 }
 
 impl Rows<'_> {
@@ -74,7 +95,7 @@ impl Rows<'_> {
     ///
     /// # Panics
     ///
-    /// If it has no rows, they have no words, or it is not of this size.
+    /// If it has no rows, they have no words or not all the same number, or it is not of this size.
     pub fn flat(&self, slice: &[u64]) -> Flat {
         self.flat_at(Level::current(), slice)
     }
@@ -90,21 +111,7 @@ impl Rows<'_> {
 
     fn flat_at(&self, level: Level, slice: &[u64]) -> Flat {
         self.check([slice]);
-        let sums = match level {
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => {
-                level.assert_available();
-                // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-                unsafe { in_slice_avx512(self, slice) }
-            }
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => {
-                level.assert_available();
-                // SAFETY: as above.
-                unsafe { wide::in_slice_avx2(self, slice) }
-            }
-            _ => in_slice(self, slice),
-        };
+        let sums = at_level!(level, in_slice in_slice_avx2 in_slice_avx512, (self, slice));
         let InSlice { cut, cut_of_ends, along_y, pairs } = sums;
         // Each row of cells has the edges of two rows.
         Flat { vertices: cut + along_y, share: 2 * cut - cut_of_ends + pairs }
@@ -113,21 +120,7 @@ impl Rows<'_> {
     fn between_at(&self, level: Level, low: (&[u64], Flat), high: (&[u64], Flat)) -> Between {
         let slices = [low.0, high.0];
         self.check(slices);
-        let sums = match level {
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => {
-                level.assert_available();
-                // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-                unsafe { in_cells_avx512(self, slices) }
-            }
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => {
-                level.assert_available();
-                // SAFETY: as above.
-                unsafe { wide::in_cells_avx2(self, slices) }
-            }
-            _ => in_cells(self, slices),
-        };
+        let sums = at_level!(level, in_cells in_cells_avx2 in_cells_avx512, (self, slices));
         let InCells { along_z, pairs, pairs_of_ends, faces, holes } = sums;
         let shares = low.1.share + high.1.share + 2 * pairs - pairs_of_ends;
         Between { vertices: along_z, triangles: shares - 2 * faces - 4 * holes }
@@ -184,7 +177,7 @@ fn in_cells(&Rows { words, cells }: &Rows<'_>, [low, high]: [&[u64]; 2]) -> InCe
     }
 }
 
-/// The words of rows and of those beside them, at y = 0, 1. A row has one word more than there are words of cells.
+/// What rows have with those beside them, at y = 0, 1. A row has one word more than there are words of cells.
 /// There are no closures: those are not always inlined, and then every index is checked.
 #[inline(always)]
 fn in_lines([a, b]: [&[u64]; 2], cells: &[u64]) -> InSlice {
@@ -214,7 +207,7 @@ fn in_walls([a, b, c, d]: [&[u64]; 4], cells: &[u64]) -> InCells {
         let holes = wall.holes(&next, [a[0] ^ d[0], b[0] ^ c[0]]);
         sums.along_z += u64::from(z.count_ones());
         sums.pairs += u64::from(pairs.count_ones());
-        sums.faces += u64::from((wall.faces(&next) & cells[i]).count_ones());
+        sums.faces += u64::from(wall.faces(&next, cells[i]).count_ones());
         sums.holes += u64::from(holes.count_ones());
     }
     sums
@@ -252,8 +245,9 @@ impl<B: Bits> Line<B> {
 /// A row of a slice and the one above it.
 #[derive(Clone, Copy)]
 struct Wall<B> {
-    /// Edges along x that are cut, and that are inside: in the lower slice and in the higher one.
+    /// Edges along x that are cut, or lead on behind the last point, in the lower slice and in the higher one.
     cut: [B; 2],
+    /// And those that are inside.
     edges: [B; 2],
     /// Edges along z that are inside, at low and high x.
     upright: [B; 2],
@@ -269,11 +263,10 @@ impl<B: Bits> Wall<B> {
         (wall, [a ^ c, edges[0] ^ edges[1]])
     }
 
-    /// Of the cells to the wall beside it, and of what follows behind the last cell of a row, those of which one
-    /// face across x is inside.
+    /// Of the cells to the wall beside it, those of which just one face across x is inside.
     #[inline(always)]
-    fn faces(&self, next: &Self) -> B {
-        (self.upright[0] & next.upright[0]) ^ (self.upright[1] & next.upright[1])
+    fn faces(&self, next: &Self, cells: B) -> B {
+        ((self.upright[0] & next.upright[0]) ^ (self.upright[1] & next.upright[1])) & cells
     }
 
     /// Cells of which two opposite edges along x are inside and the other two are cut.
@@ -305,7 +298,7 @@ mod tests {
             state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(1);
             state ^ state >> 29
         };
-        for points in (1..=140_usize).chain([511, 512, 513, 700]) {
+        for points in (1..=140_usize).chain([192, 256, 300, 321, 384, 448, 511, 512, 513, 700]) {
             let words = points.div_ceil(64);
             for rows in [1, 2, 3, 8, 70] {
                 let mut slice = |kind: usize| -> Vec<u64> {
@@ -339,8 +332,9 @@ mod tests {
                 let [first, second] = &slices;
                 let [expected, high] = [count(first, Some(second)), count(second, None)];
                 // The one word more may be anything.
-                let [low, upper] =
-                    slices.each_ref().map(|slice| [&slice[..], &[0x5A5A_0F0F_3333_9999]].concat());
+                let more = |slice: &[u64], word| [slice, &[word]].concat();
+                let low = more(&slices[0], 0x5A5A_0F0F_3333_9999);
+                let upper = more(&slices[1], 0x1234_5678_9ABC_DEF0);
                 let all = Rows { words, cells: &cells };
                 for &level in Level::available() {
                     let flat = |slice| -> Flat { all.flat_at(level, slice) };
@@ -352,5 +346,37 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A slice of `given` words, of rows of `words`, of which there are `cells` in all.
+    fn count(words: usize, cells: usize, given: usize) {
+        let (cells, slice) = (vec![1; cells], vec![0; given]);
+        let rows = Rows { words, cells: &cells };
+        let flat = Flat::default();
+        rows.between((&slice, flat), (&slice, flat));
+    }
+
+    #[test]
+    #[should_panic(expected = "one word more")]
+    fn a_slice_that_is_too_short_is_refused() {
+        count(4, 8, 8);
+    }
+
+    #[test]
+    #[should_panic(expected = "a slice has rows")]
+    fn a_slice_without_rows_is_refused() {
+        count(4, 0, 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "a slice has rows")]
+    fn rows_without_words_are_refused() {
+        count(0, 4, 5);
+    }
+
+    #[test]
+    #[should_panic(expected = "all rows have as many words")]
+    fn a_row_that_is_shorter_than_others_is_refused() {
+        count(4, 7, 8);
     }
 }

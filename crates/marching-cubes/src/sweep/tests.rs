@@ -131,7 +131,10 @@ fn chance_and_ties_are_the_same_in_used_memory_whatever_the_shape() {
 
 #[test]
 fn slices_larger_than_a_slab_are_the_same_in_used_memory() {
+    // Slabs of one slice; then, on one thread, of two.
     let large = volume([640, 600, 5], |n| (chance(n / 37) % 7) as f32);
+    check(&large.view(), 3.0, &ExtractOptions::DEFAULT);
+    let large = volume([300, 220, 17], |n| (chance(n / 37) % 7) as f64);
     check(&large.view(), 3.0, &ExtractOptions::DEFAULT);
 }
 
