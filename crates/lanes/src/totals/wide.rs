@@ -1,6 +1,6 @@
 //! Columns of four words with AVX2: what a row has is kept for the next row. AVX2 has no count of bits: bytes count
-//! their own, and are added up in time. Row `many` of `scripts/bench` has what that brings: of plain loops eight
-//! isovalues take a quarter more (EPYC, November 2026).
+//! their own, and are added up in time. With plain loops instead, eight isovalues of rows of four words take a sixth
+//! more time (EPYC, November 2026; row `many` of `scripts/bench`).
 
 use super::{InCells, InSlice, Line, Rows, Wall};
 use crate::word::wide::{Four, Pack};
@@ -34,9 +34,10 @@ pub(super) fn in_cells_avx2(rows: &Rows<'_>, slices: [&[u64]; 2]) -> InCells {
     sums
 }
 
-/// Whether at most a third of the registers is idle: plain loops, which fill them, take a quarter more at most.
+/// Whether at most a quarter of the registers is idle. Where a quarter is, plain loops, which fill them, take as long:
+/// so measured for rows of three words and of six.
 fn is_worth_columns(rows: &Rows<'_>) -> bool {
-    2 * rows.words.next_multiple_of(Four::WORDS) <= 3 * rows.words
+    3 * rows.words.next_multiple_of(Four::WORDS) <= 4 * rows.words
 }
 
 /// Four words of every row, or as many as there are; words that others own are between. Who holds one has AVX2.
