@@ -45,7 +45,7 @@ pub(crate) fn triangles<B: Bits>(rows: [[B; 2]; 4]) -> [B; 3] {
 
 /// Adds three binary digits: the sum's lower and higher one.
 #[inline(always)]
-fn add<B: Bits>(a: B, b: B, c: B) -> (B, B) {
+pub(crate) fn add<B: Bits>(a: B, b: B, c: B) -> (B, B) {
     (a ^ b ^ c, a & b | c & (a ^ b))
 }
 

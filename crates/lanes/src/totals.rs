@@ -15,22 +15,15 @@ use crate::{Level, euler::Bits};
 #[cfg(target_arch = "x86_64")]
 mod wide;
 
-/// What a slice has by itself.
+/// What a slice adds to those below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Flat {
-    /// On cut edges along x and y.
+pub struct Layer {
+    /// On cut edges along x and y of the slice, and along z to the one below.
     pub vertices: u64,
-    /// What it adds to the triangles of the cells above it, and of those below.
-    share: u64,
-}
-
-/// What lies between two slices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Between {
-    /// On cut edges along z.
-    pub vertices: u64,
-    /// In the cells.
+    /// In the cells below.
     pub triangles: u64,
+    /// What the slice by itself adds to the triangles of the cells below it, and of those above.
+    share: u64,
 }
 
 /// How slices lie in memory: row by row, and then one word more, whose bits mean nothing. Bits beyond a row's
@@ -90,40 +83,48 @@ macro_rules! at_level {
     };
 }
 
+impl InSlice {
+    /// What the slice adds if there is none below.
+    fn layer(self) -> Layer {
+        // Each row of cells has the edges of two rows.
+        let share = 2 * self.cut - self.cut_of_ends + self.pairs;
+        Layer { vertices: self.cut + self.along_y, triangles: 0, share }
+    }
+}
+
 impl Rows<'_> {
-    /// What a slice has by itself.
+    /// What the lowest slice of all adds.
     ///
     /// # Panics
     ///
     /// If it has no rows, they have no words or not all the same number, or it is not of this size.
-    pub fn flat(&self, slice: &[u64]) -> Flat {
-        self.flat_at(Level::current(), slice)
+    pub fn lowest(&self, slice: &[u64]) -> Layer {
+        self.lowest_at(Level::current(), slice)
     }
 
-    /// What lies between two slices, of which is known what they have by themselves.
+    /// What a slice adds that is above another, of which that is known.
     ///
     /// # Panics
     ///
-    /// As [`flat`](Self::flat).
-    pub fn between(&self, low: (&[u64], Flat), high: (&[u64], Flat)) -> Between {
-        self.between_at(Level::current(), low, high)
+    /// As [`lowest`](Self::lowest).
+    pub fn above(&self, low: (&[u64], Layer), slice: &[u64]) -> Layer {
+        self.above_at(Level::current(), low, slice)
     }
 
-    fn flat_at(&self, level: Level, slice: &[u64]) -> Flat {
+    fn lowest_at(&self, level: Level, slice: &[u64]) -> Layer {
         self.check([slice]);
-        let sums = at_level!(level, in_slice in_slice_avx2 in_slice_avx512, (self, slice));
-        let InSlice { cut, cut_of_ends, along_y, pairs } = sums;
-        // Each row of cells has the edges of two rows.
-        Flat { vertices: cut + along_y, share: 2 * cut - cut_of_ends + pairs }
+        at_level!(level, in_slice in_slice_avx2 in_slice_avx512, (self, slice)).layer()
     }
 
-    fn between_at(&self, level: Level, low: (&[u64], Flat), high: (&[u64], Flat)) -> Between {
-        let slices = [low.0, high.0];
+    fn above_at(&self, level: Level, low: (&[u64], Layer), slice: &[u64]) -> Layer {
+        let slices = [low.0, slice];
         self.check(slices);
-        let sums = at_level!(level, in_cells in_cells_avx2 in_cells_avx512, (self, slices));
-        let InCells { along_z, pairs, pairs_of_ends, faces, holes } = sums;
-        let shares = low.1.share + high.1.share + 2 * pairs - pairs_of_ends;
-        Between { vertices: along_z, triangles: shares - 2 * faces - 4 * holes }
+        let sums = at_level!(level, in_layer in_layer_avx2 in_layer_avx512, (self, slices));
+        let (high, InCells { along_z, pairs, pairs_of_ends, faces, holes }) = sums;
+        let Layer { vertices, share, .. } = high.layer();
+        let shares = low.1.share + share + 2 * pairs - pairs_of_ends;
+        let triangles = shares - 2 * faces - 4 * holes;
+        Layer { vertices: vertices + along_z, triangles, share }
     }
 
     fn check<const N: usize>(&self, slices: [&[u64]; N]) {
@@ -146,8 +147,8 @@ fn in_slice_avx512(rows: &Rows<'_>, slice: &[u64]) -> InSlice {
 #[target_feature(
     enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512vbmi2,avx512vpopcntdq"
 )]
-fn in_cells_avx512(rows: &Rows<'_>, slices: [&[u64]; 2]) -> InCells {
-    in_cells(rows, slices)
+fn in_layer_avx512(rows: &Rows<'_>, slices: [&[u64]; 2]) -> (InSlice, InCells) {
+    in_layer(rows, slices)
 }
 
 /// By plain loops, which the compiler makes as wide as it may.
@@ -159,6 +160,12 @@ fn in_slice(&Rows { words, cells }: &Rows<'_>, slice: &[u64]) -> InSlice {
     let end = in_lines([&slice[last..]; 2], &cells[last..]);
     let first = in_lines([slice; 2], &cells[..words]);
     InSlice { cut: inner.cut + end.cut, cut_of_ends: first.cut + end.cut, ..inner }
+}
+
+/// The higher slice by itself, and then both.
+#[inline(always)]
+fn in_layer(rows: &Rows<'_>, slices: [&[u64]; 2]) -> (InSlice, InCells) {
+    (in_slice(rows, slices[1]), in_cells(rows, slices))
 }
 
 /// By plain loops.
@@ -288,7 +295,7 @@ impl<B: Bits> Wall<B> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Flat, Rows};
+    use super::{Layer, Rows};
     use crate::{BitRows, Level, RowCounts, count_rows};
 
     #[test]
@@ -300,7 +307,7 @@ mod tests {
         };
         for points in (1..=140_usize).chain([192, 256, 300, 321, 384, 448, 511, 512, 513, 700]) {
             let words = points.div_ceil(64);
-            for rows in [1, 2, 3, 8, 70] {
+            for rows in [1, 2, 3, 8, 70, 127] {
                 let mut slice = |kind: usize| -> Vec<u64> {
                     let mut word = |n: usize| {
                         let word = match kind {
@@ -337,12 +344,13 @@ mod tests {
                 let upper = more(&slices[1], 0x1234_5678_9ABC_DEF0);
                 let all = Rows { words, cells: &cells };
                 for &level in Level::available() {
-                    let flat = |slice| -> Flat { all.flat_at(level, slice) };
-                    let (low, upper) = ((&low[..], flat(&low)), (&upper[..], flat(&upper)));
-                    let between = all.between_at(level, low, upper);
-                    let found = [low.1.vertices, between.vertices, between.triangles];
+                    let [lowest, alone] = [&low, &upper].map(|slice| all.lowest_at(level, slice));
+                    let above = all.above_at(level, (&low, lowest), &upper);
+                    let found = [lowest.vertices, above.vertices - alone.vertices, above.triangles];
                     assert_eq!(found, expected, "{level}, {points} points, {rows} rows");
-                    assert_eq!(upper.1.vertices, high[0], "{level}, {points} points, {rows} rows");
+                    let found = [alone.vertices, alone.triangles, above.share];
+                    let expected = [high[0], 0, alone.share];
+                    assert_eq!(found, expected, "{level}, {points} points, {rows} rows");
                 }
             }
         }
@@ -352,8 +360,7 @@ mod tests {
     fn count(words: usize, cells: usize, given: usize) {
         let (cells, slice) = (vec![1; cells], vec![0; given]);
         let rows = Rows { words, cells: &cells };
-        let flat = Flat::default();
-        rows.between((&slice, flat), (&slice, flat));
+        rows.above((&slice, Layer::default()), &slice);
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use crate::{Boundary, sparse::Visits};
 use isokit_lanes::{BitRows, RowCounts, WORD, words};
 use isokit_volume::{Sample, View};
-use std::{ops::Range, sync::Arc};
+use std::{ops::Range, slice::Chunks, sync::Arc};
 
 mod chosen;
 mod classify;
@@ -54,16 +54,15 @@ impl Lattice {
         y * self.words..(y + 1) * self.words
     }
 
-    /// The samples of a slice and their words, as one long row, where the rows lie one behind another and fill all
-    /// bits of theirs; in pieces of [`PIECE`] samples, which stay in the first cache.
-    pub(crate) fn as_one_row<'a, 'w, T: Sample>(
+    /// The samples of a slice as one long row, where the rows lie one behind another and fill all bits of their
+    /// words; in pieces of [`PIECE`] samples, which stay in the first cache.
+    pub(crate) fn as_one_row<'a, T: Sample>(
         &self,
         view: &View<'a, T>,
         k: usize,
-        words: &'w mut [u64],
-    ) -> Option<impl Iterator<Item = (&'a [T], &'w mut [u64])>> {
+    ) -> Option<Chunks<'a, T>> {
         let samples = view.slice(k).filter(|all| all.len() == WORD * self.slice_words())?;
-        Some(samples.chunks(PIECE).zip(words.chunks_mut(PIECE / WORD)))
+        Some(samples.chunks(PIECE))
     }
 
     /// The cells in word `w` of a row: every point but the last is the low corner of one.
@@ -77,7 +76,10 @@ impl Lattice {
 }
 
 /// Samples of a piece of a slice that is one long row.
-const PIECE: usize = 64 * WORD;
+pub(crate) const PIECE: usize = PIECE_WORDS * WORD;
+
+/// Words of a piece.
+pub(crate) const PIECE_WORDS: usize = 64;
 
 /// Moves the bits of a row of samples behind a guard.
 #[inline(always)]

@@ -13,7 +13,7 @@
 use crate::{
     fill::{Fill, Rest, Scratch, Winding, in_large_pages},
     layout::{Layout, Row, check_size},
-    planes::{Lattice, Planes, behind_guard},
+    planes::{Lattice, PIECE_WORDS, Planes, behind_guard},
     trilinear::Values,
     vertex::Placer,
 };
@@ -225,8 +225,8 @@ impl<T: Sample> Sweep<'_, T> {
     fn classify(&self, slices: Range<usize>, bits: &mut [u64], scratch: &mut Vec<T>) -> bool {
         let [nx, ny, _] = self.view.dims();
         for (k, slice) in slices.zip(bits.chunks_exact_mut(self.lattice.slice_words())) {
-            if let Some(pieces) = self.lattice.as_one_row(&self.view, k, slice) {
-                for (piece, out) in pieces {
+            if let Some(pieces) = self.lattice.as_one_row(&self.view, k) {
+                for (piece, out) in pieces.zip(slice.chunks_mut(PIECE_WORDS)) {
                     signs_of_many(piece, &self.thresholds, out, out.len());
                     if self.stops_at_nan && has_nan(piece) {
                         return false;

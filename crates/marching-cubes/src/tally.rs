@@ -1,11 +1,9 @@
 //! How much surfaces have, where nobody wants them: slices are classified for all isovalues and counted while
 //! they are in the cache. No plane is kept.
 
-use crate::planes::{Lattice, behind_guard};
+use crate::planes::{Lattice, PIECE_WORDS, behind_guard};
 use isokit_job::{Job, Stopped};
-use isokit_lanes::{
-    Between, Flat, Rows, Threshold, Thresholds, exactly, has_nan, signs_of_many, words,
-};
+use isokit_lanes::{Layer, Rows, Threshold, Thresholds, exactly, has_nan, signs_of_many, words};
 use isokit_mesh::Counts;
 use isokit_volume::{Sample, View};
 use rayon::prelude::*;
@@ -44,6 +42,12 @@ impl Whole {
         self.counts.vertices += more.counts.vertices;
         self.counts.triangles += more.counts.triangles;
         self.widest = self.widest.max(more.widest);
+    }
+}
+
+impl From<Layer> for Whole {
+    fn from(Layer { vertices, triangles, .. }: Layer) -> Self {
+        Self { counts: Counts { vertices, triangles }, widest: triangles }
     }
 }
 
@@ -105,33 +109,25 @@ impl<'a, T: Sample> Tally<'a, T> {
         let stride = self.cells.len() + 1;
         let size = (stride as u64).checked_mul(planes as u64);
         let zeroed = || job.limits.zeroed("bits of a slice", size);
-        let mut low = (zeroed()?, vec![Flat::default(); planes]);
-        let mut high = (zeroed()?, vec![Flat::default(); planes]);
+        let (mut low, mut high) = (zeroed()?, zeroed()?);
         let (mut found, mut scratch) = (Found::default(), vec![]);
         found.counts.resize(planes, Whole::default());
-        let mut classify = |z: usize, (bits, flats): &mut (Vec<u64>, Vec<Flat>), found: &mut _| {
-            self.classify(z, bits, found, &mut scratch);
-            let of_planes = flats.iter_mut().zip(bits.chunks_exact(stride));
-            of_planes.for_each(|(flat, plane)| *flat = rows.flat(plane));
-        };
-        classify(slices.start, &mut high, &mut found);
+        self.classify(slices.start, &mut high, &mut found, &mut scratch);
+        let mut layers: Vec<_> = high.chunks_exact(stride).map(|bits| rows.lowest(bits)).collect();
+        if slices.start == 0 {
+            let of_planes = found.counts.iter_mut().zip(&layers);
+            of_planes.for_each(|(whole, &layer)| whole.add(layer.into()));
+        }
         for z in slices {
             job.check()?;
-            mem::swap(&mut low, &mut high);
-            let has_next = z + 1 < nz;
-            if has_next {
-                classify(z + 1, &mut high, &mut found);
-            }
-            for (k, whole) in found.counts.iter_mut().enumerate() {
-                let plane = k * stride..(k + 1) * stride;
-                let (low, high) = ((&low.0[plane.clone()], low.1[k]), (&high.0[plane], high.1[k]));
-                let mut between = Between::default();
-                if has_next {
-                    between = rows.between(low, high);
+            if z + 1 < nz {
+                mem::swap(&mut low, &mut high);
+                self.classify(z + 1, &mut high, &mut found, &mut scratch);
+                for (k, (whole, layer)) in found.counts.iter_mut().zip(&mut layers).enumerate() {
+                    let plane = k * stride..(k + 1) * stride;
+                    *layer = rows.above((&low[plane.clone()], *layer), &high[plane]);
+                    whole.add((*layer).into());
                 }
-                let vertices = low.1.vertices + between.vertices;
-                let triangles = between.triangles;
-                whole.add(Whole { counts: Counts { vertices, triangles }, widest: triangles });
             }
             job.progress.advance(1);
         }
@@ -144,6 +140,13 @@ impl<'a, T: Sample> Tally<'a, T> {
         let stride = self.cells.len() + 1;
         if z < guard || z >= nz - guard {
             return bits.fill(0);
+        }
+        if let Some(pieces) = self.lattice.as_one_row(&self.view, z - guard) {
+            for (n, piece) in pieces.enumerate() {
+                found.has_nan |= self.stops_at_nan && has_nan(piece);
+                signs_of_many(piece, &self.thresholds, &mut bits[n * PIECE_WORDS..], stride);
+            }
+            return;
         }
         for y in guard..ny - guard {
             let row = self.view.row(y - guard, z - guard).gather(scratch);

@@ -1,151 +1,299 @@
-//! Columns of four words with AVX2: what a row has is kept for the next row. AVX2 has no count of bits: bytes count
-//! their own, and are added up in time. With plain loops instead, eight isovalues of rows of four words take a sixth
-//! more time (EPYC, November 2026; row `many` of `scripts/bench`).
+//! Columns of four words with AVX2, row after row: what a row has is kept for the next one. AVX2 has no count of bits.
+//! So bits of two rows are added up as binary digits, of which only the highest are counted row by row: bytes count
+//! their own, and are added up in time.
 
-use super::{InCells, InSlice, Line, Rows, Wall};
-use crate::word::wide::{Four, Pack};
+use super::{InCells, InSlice, Rows};
+use crate::{
+    euler::add,
+    word::wide::{Four, Pack},
+};
 
 /// How many counts of eight bits a byte can add up.
 const PER_BYTE: usize = u8::MAX as usize / 8;
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) fn in_slice_avx2(rows: &Rows<'_>, slice: &[u64]) -> InSlice {
-    if !is_worth_columns(rows) {
-        return super::in_slice(rows, slice);
-    }
-    let mut sums = InSlice::default();
-    for first in (0..rows.words).step_by(Four::WORDS) {
-        // SAFETY: this function runs only where the machine has the instructions.
-        unsafe { Column::new(rows, first).in_slice(slice, &mut sums) };
-    }
-    sums
+    super::in_slice(rows, slice)
 }
 
+/// What comes of it has sums that are only good together: edges along y are with those along z, and `pairs` are as
+/// many too many as `faces`.
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-pub(super) fn in_cells_avx2(rows: &Rows<'_>, slices: [&[u64]; 2]) -> InCells {
-    if !is_worth_columns(rows) {
-        return super::in_cells(rows, slices);
+pub(super) fn in_layer_avx2(rows: &Rows<'_>, slices: [&[u64]; 2]) -> (InSlice, InCells) {
+    // Plain loops fill their registers. Where half of a column's is idle, they take no longer: so measured for
+    // rows of two words; those of five are faster in columns (EPYC, November 2026; eight isovalues of a gyroid).
+    if rows.words.next_multiple_of(Four::WORDS) >= 2 * rows.words {
+        return super::in_layer(rows, slices);
     }
-    let mut sums = InCells::default();
-    for first in (0..rows.words).step_by(Four::WORDS) {
+    let (mut high, mut both) = (InSlice::default(), InCells::default());
+    let whole = rows.words / Four::WORDS * Four::WORDS;
+    for first in (0..whole).step_by(Four::WORDS) {
+        // SAFETY: this function runs only where the machine has the instructions.
+        let column = unsafe { Column::<true>::new(rows, first, slices) };
+        column.add_to(&mut high, &mut both);
+    }
+    if whole < rows.words {
         // SAFETY: as above.
-        unsafe { Column::new(rows, first).in_cells(slices, &mut sums) };
+        let column = unsafe { Column::<false>::new(rows, whole, slices) };
+        column.add_to(&mut high, &mut both);
     }
-    sums
+    (high, both)
 }
 
-/// Whether at most a quarter of the registers is idle. Where a quarter is, plain loops, which fill them, take as long:
-/// so measured for rows of three words and of six.
-fn is_worth_columns(rows: &Rows<'_>) -> bool {
-    3 * rows.words.next_multiple_of(Four::WORDS) <= 4 * rows.words
-}
-
-/// Four words of every row, or as many as there are; words that others own are between. Who holds one has AVX2.
-struct Column {
+/// Four words of every row of two slices; fewer, if it is not `WHOLE`, at the end of a row. Who holds one has AVX2.
+struct Column<'a, const WHOLE: bool> {
+    slices: [&'a [u64]; 2],
     /// Words in a row, the first of the column's, and the number of rows.
     words: usize,
     first: usize,
     rows: usize,
-    /// Ones in the column's own words, and the points that begin a cell.
+    /// Ones in the column's own words.
     own: Four,
+    /// The points that begin a cell, and by how much the word behind each is shifted up to follow it: out of
+    /// sight, where it is another row's.
     cells: Four,
+    up: Four,
     zero: Four,
 }
 
-impl Column {
+/// A row of two slices.
+struct Row {
+    /// Points, and edges along x that are inside, of the higher slice.
+    points: Four,
+    edges: Four,
+    /// Cut edges along x of the higher slice, and those along z.
+    cut: Four,
+    along_z: Four,
+    /// Edges along x, one above another, of which one is inside.
+    pairs: Four,
+    /// Edges along z that are inside, at low and high x.
+    upright: [Four; 2],
+}
+
+/// What a row adds to those before it.
+struct Added {
+    /// Cut edges along x of the higher slice; neighbouring ones of which one is inside.
+    cut: Four,
+    pairs: Four,
+    /// Cut edges along y of the higher slice, and along z.
+    edges: [Four; 2],
+    /// Edges along x, one above another, of which one is inside, and cells of which both or none of the faces
+    /// across x are.
+    across: [Four; 2],
+    /// Where there may be holes: of each of three pairs of edges one is inside, and the other edge of the
+    /// higher slice is cut. Smooth fields have next to none.
+    may_hole: Four,
+}
+
+impl<'a, const WHOLE: bool> Column<'a, WHOLE> {
     /// The words of all rows from word `first` on.
     ///
     /// # Safety
     ///
     /// The machine must have AVX2.
     #[inline(always)]
-    unsafe fn new(&Rows { words, cells }: &Rows<'_>, first: usize) -> Self {
+    unsafe fn new(&Rows { words, cells }: &Rows<'_>, first: usize, slices: [&'a [u64]; 2]) -> Self {
+        assert!(!WHOLE || first + Four::WORDS <= words, "a row has the words");
+        slices.iter().for_each(|slice| assert_eq!(slice.len(), cells.len() + 1, "one word more"));
         let own = [u64::MAX; Four::WORDS];
         let own = &own[..(words - first).min(Four::WORDS)];
+        let up = [0, 1, 2, 3].map(|n| if first + n + 1 < words { 63 } else { 64 });
         // SAFETY: the caller says so.
         unsafe {
-            let (zero, own, of_row) =
-                (Four::splat(0), Four::load(own), Four::load(&cells[first..words]));
-            Self { words, first, rows: cells.len() / words, own, cells: of_row, zero }
+            Self {
+                slices,
+                words,
+                first,
+                rows: cells.len() / words,
+                own: Four::load(own),
+                cells: Four::load(&cells[first..words]),
+                up: Four::load(&up),
+                zero: Four::splat(0),
+            }
         }
     }
 
-    /// The points of row `y` at low and high x.
+    /// The points of row `y` of a slice at low and high x.
     #[inline(always)]
-    fn points(&self, slice: &[u64], y: usize) -> [Four; 2] {
-        let at = y * self.words + self.first;
-        if at + Four::WORDS < slice.len() {
+    fn points(&self, slice: usize, y: usize) -> [Four; 2] {
+        let (slice, at) = (self.slices[slice], y * self.words + self.first);
+        if WHOLE || at + Four::WORDS < slice.len() {
+            debug_assert!(at + Four::WORDS < slice.len(), "there is such a row");
             let words = slice.as_ptr().wrapping_add(at);
-            // SAFETY: there are four words and one more, and there is a column.
-            let (low, next) =
-                unsafe { (Four::load_all(words), Four::load_all(words.wrapping_add(1))) };
-            return [low, low.shifted_in(next)];
+            // SAFETY: `y` is below `rows`, so if a row has four words from `first` on, one more follows: the next
+            // row's first, or the slice's last. There is a column.
+            let [low, next] = [0, 1].map(|n| unsafe { Four::load_all(words.wrapping_add(n)) });
+            let low = if WHOLE { low } else { low & self.own };
+            return [low, low.followed_by(next, self.up)];
         }
         // SAFETY: there is a column.
-        let (low, next) = unsafe { (Four::load(&slice[at..]), Four::load(&slice[at + 1..])) };
-        [low, low.shifted_in(next)]
+        let [low, next] = [0, 1].map(|n| unsafe { Four::load(&slice[at + n..]) });
+        let low = low & self.own;
+        [low, low.followed_by(next, self.up)]
     }
 
     #[inline(always)]
-    fn in_slice(&self, slice: &[u64], sums: &mut InSlice) {
-        let mut line = Line::new(self.points(slice, 0), self.cells);
-        sums.cut_of_ends += sum(line.cut.ones_of_bytes());
-        for first in (1..self.rows).step_by(PER_BYTE) {
-            let (mut cut, mut along_y, mut pairs) = (self.zero, self.zero, self.zero);
-            for y in first..self.rows.min(first + PER_BYTE) {
-                let next = Line::new(self.points(slice, y), self.cells);
-                let [of_y, of_two] = line.beside(&next);
-                cut = cut.add_bytes(line.cut.ones_of_bytes());
-                along_y = along_y.add_bytes((of_y & self.own).ones_of_bytes());
-                pairs = pairs.add_bytes(of_two.ones_of_bytes());
-                line = next;
-            }
-            sums.cut += sum(cut);
-            sums.along_y += sum(along_y);
-            sums.pairs += sum(pairs);
+    fn row(&self, y: usize) -> Row {
+        let ([b, b1], [d, d1]) = (self.points(0, y), self.points(1, y));
+        let edges = d & d1;
+        Row {
+            points: d,
+            edges,
+            cut: (d ^ d1) & self.cells,
+            along_z: b ^ d,
+            pairs: (b & b1) ^ edges,
+            upright: [b & d, b1 & d1],
         }
-        sums.cut += sum(line.cut.ones_of_bytes());
-        sums.cut_of_ends += sum(line.cut.ones_of_bytes());
+    }
+
+    /// What row `next` adds to the one before.
+    #[inline(always)]
+    fn added(&self, row: &Row, next: &Row) -> Added {
+        let pairs = row.edges ^ next.edges;
+        let [low, high] = [0, 1].map(|x| row.upright[x] & next.upright[x]);
+        Added {
+            cut: next.cut,
+            pairs,
+            edges: [row.points ^ next.points, next.along_z],
+            across: [next.pairs, (low ^ high).outside(self.cells)],
+            may_hole: row.pairs & pairs & next.pairs & (row.cut | next.cut),
+        }
     }
 
     #[inline(always)]
-    fn in_cells(&self, slices: [&[u64]; 2], sums: &mut InCells) {
-        let [low, high] = slices;
-        let (mut wall, [z, of_first]) =
-            Wall::new(self.points(low, 0), self.points(high, 0), self.cells);
-        sums.along_z += sum((z & self.own).ones_of_bytes());
-        sums.pairs += sum(of_first.ones_of_bytes());
-        sums.pairs_of_ends += sum(of_first.ones_of_bytes());
-        let mut of_last = of_first;
-        for first in (1..self.rows).step_by(PER_BYTE) {
-            let (mut along_z, mut pairs, mut faces) = (self.zero, self.zero, self.zero);
-            for y in first..self.rows.min(first + PER_BYTE) {
-                let (next, [z, of_two]) =
-                    Wall::new(self.points(low, y), self.points(high, y), self.cells);
-                along_z = along_z.add_bytes((z & self.own).ones_of_bytes());
-                pairs = pairs.add_bytes(of_two.ones_of_bytes());
-                faces = faces.add_bytes(wall.faces(&next, self.cells).ones_of_bytes());
-                let [one, other] = wall.saddles(&next);
-                // Smooth fields have none.
-                if (one | other).found() != 0 {
-                    let ([a, c], [b, d]) = (self.both(slices, y - 1), self.both(slices, y));
-                    let holes = wall.holes(&next, [a ^ d, b ^ c]);
-                    sums.holes += sum(holes.ones_of_bytes());
+    fn add_to(&self, high: &mut InSlice, both: &mut InCells) {
+        let mut row = self.row(0);
+        high.cut += ones(row.cut);
+        both.along_z += ones(row.along_z);
+        both.pairs += ones(row.pairs);
+        for row in [&row, &self.row(self.rows - 1)] {
+            high.cut_of_ends += ones(row.cut);
+            both.pairs_of_ends += ones(row.pairs);
+        }
+        let mut y = 1;
+        while y < self.rows {
+            let (first, mut counts) = (y, Counts::none(self.zero));
+            if !(self.rows - y).is_multiple_of(2) {
+                let next = self.row(y);
+                counts.add([self.added(&row, &next), Added::none(self.zero)]);
+                (row, y) = (next, y + 1);
+            }
+            let end = self.rows.min(y + 2 * PER_BYTE);
+            for y in (y..end).step_by(2) {
+                let middle = self.row(y);
+                let one = self.added(&row, &middle);
+                let last = self.row(y + 1);
+                let other = self.added(&middle, &last);
+                counts.add([one, other]);
+                row = last;
+            }
+            counts.add_to(high, both);
+            both.faces += (end - first) as u64 * ones(self.cells);
+            if counts.may_hole.found() != 0 {
+                for y in first..end {
+                    both.holes += self.holes(y - 1);
                 }
-                (wall, of_last) = (next, of_two);
             }
-            sums.along_z += sum(along_z);
-            sums.pairs += sum(pairs);
-            sums.faces += sum(faces);
+            y = end;
         }
-        sums.pairs_of_ends += sum(of_last.ones_of_bytes());
     }
 
-    /// The points of row `y` in both slices.
+    /// Cells between row `y` and the next of which just two corners are outside, opposite ones.
     #[inline(always)]
-    fn both(&self, [low, high]: [&[u64]; 2], y: usize) -> [Four; 2] {
-        [self.points(low, y)[0], self.points(high, y)[0]]
+    fn holes(&self, y: usize) -> u64 {
+        let [[a, a1], [b, b1]] = [self.points(0, y), self.points(0, y + 1)];
+        let [[c, c1], [d, d1]] = [self.points(1, y), self.points(1, y + 1)];
+        let one = (b & b1) & (c & c1) & (a ^ a1) & (d ^ d1) & (a ^ d);
+        let other = (a & a1) & (d & d1) & (b ^ b1) & (c ^ c1) & (b ^ c);
+        ones((one | other) & self.cells)
     }
+}
+
+impl Added {
+    #[inline(always)]
+    fn none(zero: Four) -> Self {
+        Self { cut: zero, pairs: zero, edges: [zero; 2], across: [zero; 2], may_hole: zero }
+    }
+}
+
+/// What rows add.
+struct Counts {
+    cut: Ones,
+    pairs: Ones,
+    edges: Twos,
+    across: Twos,
+    may_hole: Four,
+}
+
+impl Counts {
+    #[inline(always)]
+    fn none(zero: Four) -> Self {
+        let (ones, twos) = (Ones([zero; 2]), Twos([zero; 3]));
+        Self { cut: ones, pairs: ones, edges: twos, across: twos, may_hole: zero }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, [one, other]: [Added; 2]) {
+        self.cut.add([one.cut, other.cut]);
+        self.pairs.add([one.pairs, other.pairs]);
+        self.edges.add([one.edges, other.edges]);
+        self.across.add([one.across, other.across]);
+        self.may_hole = self.may_hole | one.may_hole | other.may_hole;
+    }
+
+    #[inline(always)]
+    fn add_to(&self, high: &mut InSlice, both: &mut InCells) {
+        high.cut += self.cut.sum();
+        high.pairs += self.pairs.sum();
+        both.along_z += self.edges.sum();
+        both.pairs += self.across.sum();
+    }
+}
+
+/// Numbers of bits: their lowest binary digits, and of each byte the rest by half.
+#[derive(Clone, Copy)]
+struct Ones([Four; 2]);
+
+impl Ones {
+    #[inline(always)]
+    fn add(&mut self, [a, b]: [Four; 2]) {
+        let [ones, twos] = self.0;
+        let (ones, carry) = add(a, b, ones);
+        self.0 = [ones, twos.add_bytes(carry.ones_of_bytes())];
+    }
+
+    #[inline(always)]
+    fn sum(&self) -> u64 {
+        let [digits, twos] = self.0;
+        ones(digits) + 2 * sum(twos)
+    }
+}
+
+/// Numbers of bits: their two lowest binary digits, and of each byte the rest by a quarter.
+#[derive(Clone, Copy)]
+struct Twos([Four; 3]);
+
+impl Twos {
+    #[inline(always)]
+    fn add(&mut self, [[a, b], [c, d]]: [[Four; 2]; 2]) {
+        let [ones, twos, fours] = self.0;
+        let (ones, first) = add(a, b, ones);
+        let (ones, second) = add(c, d, ones);
+        let (twos, carry) = add(first, second, twos);
+        self.0 = [ones, twos, fours.add_bytes(carry.ones_of_bytes())];
+    }
+
+    #[inline(always)]
+    fn sum(&self) -> u64 {
+        let [digits, twos, fours] = self.0;
+        ones(digits) + 2 * ones(twos) + 4 * sum(fours)
+    }
+}
+
+/// How many bits are set.
+#[inline(always)]
+fn ones(bits: Four) -> u64 {
+    sum(bits.ones_of_bytes())
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Counted, Lattice, PIECE, Plane, Planes, behind_guard, chosen::chosen};
+use super::{Counted, Lattice, PIECE, PIECE_WORDS, Plane, Planes, behind_guard, chosen::chosen};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{
@@ -118,9 +118,10 @@ fn planes<T: Sample, E>(
     let fill = |k: usize, slices: &mut [&mut [u64]]| {
         let (mut found, mut scratch) = (Found::default(), vec![]);
         if let [slice] = slices
-            && let Some(pieces) = lattice.as_one_row(view, k, slice)
+            && let Some(pieces) = lattice.as_one_row(view, k)
         {
-            for (n, (piece, out)) in pieces.enumerate() {
+            let words = slice.chunks_mut(PIECE_WORDS);
+            for (n, (piece, out)) in pieces.zip(words).enumerate() {
                 found.add(test(piece, [0, k], out).placed_from(n * PIECE, nx));
             }
             return found;

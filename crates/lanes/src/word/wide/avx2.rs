@@ -130,6 +130,22 @@ impl Four {
         })
     }
 
+    /// Each word shifted down by one bit, and above it the word of `next` shifted up by as many bits as `up` says.
+    #[inline(always)]
+    pub(crate) fn followed_by(self, next: Self, up: Self) -> Self {
+        // SAFETY: there is a register.
+        Self(unsafe {
+            _mm256_or_si256(_mm256_srli_epi64::<1>(self.0), _mm256_sllv_epi64(next.0, up.0))
+        })
+    }
+
+    /// The bits of another that are not set here.
+    #[inline(always)]
+    pub(crate) fn outside(self, other: Self) -> Self {
+        // SAFETY: there is a register.
+        Self(unsafe { _mm256_andnot_si256(self.0, other.0) })
+    }
+
     /// Each byte with the same of another added.
     #[inline(always)]
     pub(crate) fn add_bytes(self, other: Self) -> Self {
