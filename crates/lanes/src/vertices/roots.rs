@@ -44,6 +44,9 @@ impl Roots<'_> {
         for (line, search) in self.lines.iter_mut().zip(self.searches.iter_mut()) {
             search.begin::<W, PAIRS>(wide, line);
         }
+        for (line, search) in self.lines.iter_mut().zip(self.searches.iter_mut()) {
+            search.first_step::<W, PAIRS>(wide, line);
+        }
         for search in self.searches[..self.lines.len()].iter_mut() {
             search.step::<W, PAIRS>(wide);
         }
@@ -123,25 +126,46 @@ impl Search {
         let is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
         self.is_tame = is_tame.bits();
         let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
-        self.is_low = straight.less(wide.f32(0.0)).bits();
+        if self.is_end != 0 {
+            self.is_low = straight.less(wide.f32(0.0)).bits();
+        }
         let mut narrow = [straight; 4];
         for n in 0..2 * PAIRS - 2 {
             narrow[n] = wide.f64_to_f32(parts[n]) * scale;
         }
-        let mut curves = Curves::new::<PAIRS>(wide, straight, narrow);
-        let is_plain = curves.is_plain::<PAIRS>(wide);
-        curves.straighten::<PAIRS>(wide, is_plain, straight);
-        wide.store_f64(sum, &mut line.values[0]);
-        wide.store_f64(rise, &mut line.values[1]);
-        for (part, to) in parts.into_iter().zip(&mut line.values[2..2 * PAIRS]) {
-            wide.store_f64(wide.select_f64(is_plain, part, zero), to);
+        let [even, odd, even_u, odd_u] = parts;
+        let held = [sum, rise, even, odd, even_u, odd_u];
+        for (part, to) in held.into_iter().zip(&mut line.values[..2 * PAIRS]) {
+            wide.store_f64(part, to);
         }
+        self.keep::<W, PAIRS>(wide, Curves::new::<PAIRS>(wide, straight, narrow));
+        wide.store_f32(scale, &mut self.scale);
+        wide.store_f32(straight, &mut self.s);
+    }
+
+    /// From where straight lines are crossed to where parabolas are. Curves that are not plain become straight.
+    #[inline(always)]
+    fn first_step<W: Wide, const PAIRS: usize>(&mut self, wide: W, line: &mut Line) {
+        let mut curves = self.curves::<W, PAIRS>(wide);
+        let is_plain = curves.is_plain::<PAIRS>(wide);
+        if is_plain.bits() != u16::MAX {
+            let straight = wide.load_f32(&self.s);
+            curves = curves.straightened::<PAIRS>(wide, is_plain, straight);
+            for part in &mut line.values[2..2 * PAIRS] {
+                let kept = wide.select_f64(is_plain, wide.load_f64(part), wide.f64(0.0));
+                wide.store_f64(kept, part);
+            }
+            self.keep::<W, PAIRS>(wide, curves);
+        }
+        wide.store_f32(curves.of_parabola::<PAIRS>(wide), &mut self.s);
+    }
+
+    #[inline(always)]
+    fn keep<W: Wide, const PAIRS: usize>(&mut self, wide: W, curves: Curves<W>) {
         wide.store_f32(curves.fall, &mut self.fall);
         for (c, to) in curves.c.into_iter().zip(&mut self.c[..2 * PAIRS - 1]) {
             wide.store_f32(c, to);
         }
-        wide.store_f32(scale, &mut self.scale);
-        wide.store_f32(curves.of_parabola::<PAIRS>(wide), &mut self.s);
     }
 
     #[inline(always)]
@@ -198,6 +222,9 @@ impl Search {
         let is_small = step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
         let is_found = self.is_good & is_small.bits();
         line.is_odd |= !(self.is_tame & (self.is_end | is_found));
+        if self.is_end == 0 {
+            return s;
+        }
         // Where an end is the isovalue there is nothing to search.
         let end = wide.select_f64(wide.mask(self.is_low), wide.f64(-0.5), half);
         wide.select_f64(wide.mask(self.is_end), end, s)
@@ -205,6 +232,7 @@ impl Search {
 }
 
 /// Curves over their rises.
+#[derive(Clone, Copy)]
 struct Curves<W: Wide> {
     fall: W::F32,
     c: [W::F32; 5],
@@ -223,14 +251,20 @@ impl<W: Wide> Curves<W> {
         Self { fall: straight + quarter * a, c: [c1, c2, c3, a_u, b_u] }
     }
 
-    /// Makes straight lines of those that are not plain.
+    /// With straight lines in place of those that are not plain.
     #[inline(always)]
-    fn straighten<const PAIRS: usize>(&mut self, wide: W, is_plain: W::Mask, straight: W::F32) {
+    fn straightened<const PAIRS: usize>(
+        mut self,
+        wide: W,
+        is_plain: W::Mask,
+        straight: W::F32,
+    ) -> Self {
         self.fall = wide.select_f32(is_plain, self.fall, straight);
         self.c[0] = wide.select_f32(is_plain, self.c[0], wide.f32(1.0));
         for n in 1..2 * PAIRS - 1 {
             self.c[n] = wide.select_f32(is_plain, self.c[n], wide.f32(0.0));
         }
+        self
     }
 
     /// Those that are monotone on the edge, or convex or concave.
