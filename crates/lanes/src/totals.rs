@@ -1,4 +1,4 @@
-//! How many vertices and triangles there are between two slices, where nobody asks which row makes them.
+//! How many vertices and triangles a slice adds to those below it, where nobody asks which row makes them.
 //!
 //! A cell has as many triangles as `euler.rs` says: corners − 2 · faces + 4 · cell, of what is inside completely,
 //! and four fewer where there is a hole. Take a cell with its four edges along x. Corners less twice the edges
@@ -120,6 +120,8 @@ impl Rows<'_> {
         let slices = [low.0, slice];
         self.check(slices);
         let sums = at_level!(level, in_layer in_layer_avx2 in_layer_avx512, (self, slices));
+        // Of these `along_y + along_z` and `pairs − faces` are right at any level, and those four as they are named
+        // at some.
         let (high, InCells { along_z, pairs, pairs_of_ends, faces, holes }) = sums;
         let Layer { vertices, share, .. } = high.layer();
         let shares = low.1.share + share + 2 * pairs - pairs_of_ends;
@@ -228,23 +230,23 @@ fn along_x(word: u64, next: u64) -> [u64; 2] {
 
 /// A row of points.
 #[derive(Clone, Copy)]
-struct Line<B> {
-    points: B,
+struct Line {
+    points: u64,
     /// Edges along x that are cut, and that are inside.
-    cut: B,
-    edges: B,
+    cut: u64,
+    edges: u64,
 }
 
-impl<B: Bits> Line<B> {
+impl Line {
     /// Given are the points at low and high x.
     #[inline(always)]
-    fn new([points, high]: [B; 2], cells: B) -> Self {
+    fn new([points, high]: [u64; 2], cells: u64) -> Self {
         Self { points, cut: (points ^ high) & cells, edges: points & high & cells }
     }
 
     /// Cut edges along y to the row beside it, and neighbouring edges along x of which one is inside.
     #[inline(always)]
-    fn beside(&self, next: &Self) -> [B; 2] {
+    fn beside(&self, next: &Self) -> [u64; 2] {
         [self.points ^ next.points, self.edges ^ next.edges]
     }
 }
@@ -276,19 +278,13 @@ impl<B: Bits> Wall<B> {
         ((self.upright[0] & next.upright[0]) ^ (self.upright[1] & next.upright[1])) & cells
     }
 
-    /// Cells of which two opposite edges along x are inside and the other two are cut.
-    #[inline(always)]
-    fn saddles(&self, next: &Self) -> [B; 2] {
-        let one = self.cut[0] & next.cut[1] & next.edges[0] & self.edges[1];
-        let other = next.cut[0] & self.cut[1] & self.edges[0] & next.edges[1];
-        [one, other]
-    }
-
-    /// Those of which just two corners are outside, opposite ones. Given is which points at low x differ from the
+    /// Of the cells to the wall beside it, those of which just two corners are outside, opposite ones: two opposite
+    /// edges along x are inside, and the other two are cut. Given is which points at low x differ from the
     /// opposite ones.
     #[inline(always)]
     fn holes(&self, next: &Self, differ: [B; 2]) -> B {
-        let [one, other] = self.saddles(next);
+        let one = self.cut[0] & next.cut[1] & next.edges[0] & self.edges[1];
+        let other = next.cut[0] & self.cut[1] & self.edges[0] & next.edges[1];
         one & differ[0] | other & differ[1]
     }
 }
@@ -307,21 +303,25 @@ mod tests {
         };
         for points in (1..=140_usize).chain([192, 256, 300, 321, 384, 448, 511, 512, 513, 700]) {
             let words = points.div_ceil(64);
-            for rows in [1, 2, 3, 8, 70, 127] {
+            let rows = [1, 2, 3, 8, 70, 127];
+            let kinds = |rows| [[points % 3, (points + rows) % 5 % 3], [2, 3], [4, 5]];
+            for (rows, kinds) in rows.into_iter().flat_map(|n| kinds(n).map(|kinds| (n, kinds))) {
                 let mut slice = |kind: usize| -> Vec<u64> {
                     let mut word = |n: usize| {
                         let word = match kind {
                             0 => chance(),
                             1 => chance() | chance() | chance(),
-                            // Every edge along y is cut.
-                            _ => (n / words % 2) as u64 * u64::MAX,
+                            // Every edge along y is cut, and along z between these two.
+                            2 => (n / words % 2) as u64 * u64::MAX,
+                            3 => ((n / words + 1) % 2) as u64 * u64::MAX,
+                            kind => (kind - 4) as u64 * u64::MAX,
                         };
                         let is_cut = n % words == words - 1 && !points.is_multiple_of(64);
                         if is_cut { word & ((1 << (points % 64)) - 1) } else { word }
                     };
                     (0..words * rows).map(&mut word).collect()
                 };
-                let slices = [slice(points % 3), slice((points + rows) % 5)];
+                let slices = kinds.map(&mut slice);
                 let count = |low: &[u64], high: Option<&[u64]>| {
                     let mut counts = vec![RowCounts::default(); rows];
                     count_rows(&BitRows::new(low, high, points), 0..rows, &mut counts);

@@ -76,7 +76,7 @@ impl Lattice {
 }
 
 /// Samples of a piece of a slice that is one long row.
-pub(crate) const PIECE: usize = PIECE_WORDS * WORD;
+const PIECE: usize = PIECE_WORDS * WORD;
 
 /// Words of a piece.
 pub(crate) const PIECE_WORDS: usize = 64;

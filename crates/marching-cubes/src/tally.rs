@@ -101,7 +101,7 @@ impl<'a, T: Sample> Tally<'a, T> {
         Ok(sum)
     }
 
-    /// What some slices own.
+    /// What the slices above these add, each to those below it; and with the first of all what that is by itself.
     fn some(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
         let (planes, nz) = (self.thresholds.count(), self.lattice.points[2]);
         let rows = Rows { words: self.lattice.words, cells: &self.cells };

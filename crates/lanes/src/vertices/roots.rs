@@ -76,8 +76,8 @@ pub(super) struct Search {
     s: [f32; BATCH],
     /// One over the slope near there.
     factor: [f32; BATCH],
-    /// Those whose rise is tame, those whose search went well, those where an end is the isovalue, and those
-    /// where it would be the lower one.
+    /// Those whose rise is tame, those whose search went well, those where an end is the isovalue, and, if there
+    /// are such, those where it would be the lower one.
     is_tame: u16,
     is_good: u16,
     is_end: u16,
@@ -98,7 +98,7 @@ impl Search {
     };
 
     /// Takes the values of lines, and leaves in their place the sums of the ends, the rises, and the even and the
-    /// odd parts times the rises.
+    /// odd parts times the rises. The search gets the curves, and begins where straight lines are crossed.
     #[inline(always)]
     fn begin<W: Wide, const PAIRS: usize>(&mut self, wide: W, line: &mut Line) {
         let (zero, half) = (wide.f64(0.0), wide.f64(0.5));

@@ -120,8 +120,7 @@ fn planes<T: Sample, E>(
         if let [slice] = slices
             && let Some(pieces) = lattice.as_one_row(view, k)
         {
-            let words = slice.chunks_mut(PIECE_WORDS);
-            for (n, (piece, out)) in pieces.zip(words).enumerate() {
+            for (n, (piece, out)) in pieces.zip(slice.chunks_mut(PIECE_WORDS)).enumerate() {
                 found.add(test(piece, [0, k], out).placed_from(n * PIECE, nx));
             }
             return found;

@@ -4,9 +4,10 @@ use super::{all_options, chance};
 use crate::{
     ExtractError, ExtractOptions, Nan, Topology, count, count_many, extract, extract_many,
 };
+use isokit_geom::Frame;
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
-use isokit_volume::{Sample, Scaling, Volume};
+use isokit_volume::{Grid, Sample, Scaling, Volume};
 use proptest::prelude::*;
 
 #[track_caller]
@@ -27,6 +28,7 @@ fn check_one<T: Sample>(volume: &Volume<T>, isos: &[f64], options: &ExtractOptio
     for (n, &iso) in isos.iter().enumerate() {
         assert_eq!(meshes[n], extract(&view, iso, options, &job).unwrap(), "{iso} of {isos:?}");
         assert_eq!(all[n].counts, meshes[n].counts());
+        assert_eq!(counts[n], meshes[n].counts(), "{iso} of {isos:?}");
         assert_eq!(counts[n], count(&view, iso, options, &job).unwrap());
     }
 }
@@ -43,6 +45,21 @@ fn each_surface_is_the_one_that_its_value_alone_gives() {
             check(&chance([nx, 4, 3], seed, holes), &[3.0, 6.0, 0.0, -1.0], &options);
         }
     }
+}
+
+#[test]
+fn slices_of_several_pieces_are_counted_as_they_are_extracted() {
+    let isos = [4.0, 3.5, 6.0, 0.0];
+    for options in all_options() {
+        check(&chance([128, 70, 3], 3, |r| (r % 9) as u8), &isos, &options);
+    }
+    let grid = Grid::new([128, 70, 2], Frame::default()).unwrap();
+    let mut samples: Vec<_> = (0..grid.count()).map(|n| (n % 9) as f32).collect();
+    *samples.last_mut().unwrap() = f32::NAN;
+    let volume = Volume::new(grid, samples).unwrap();
+    let options = ExtractOptions::DEFAULT.with_topology(Topology::Table).with_nan(Nan::Error);
+    let counts = count_many(&volume.view(), &isos, &options, &Job::default());
+    assert_eq!(counts, Err(ExtractError::Nan { count: 1, first: [127, 69, 1] }));
 }
 
 #[test]
