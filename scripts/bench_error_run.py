@@ -3,10 +3,12 @@
 
 Started by `scripts/bench_error`, which installs the peers and builds isokit's driver. Each field is
 sampled on lattices of several sizes; each tool makes its mesh once, which is compared with the
-surface of the field, and is then timed in turn with the others. The files go to
-scripts/results/DATE-CPU/error, those of a quick run to target/bench/error. Each field has a file
-of its own there, and what is measured again replaces it: a long run can be made in parts, by field
-and by size. Table and plots are of all that lies there.
+surface of the field, and is then timed in turn with the others. A mesh of more than eight million
+triangles takes no part: to compare it would take many minutes.
+
+The files go to scripts/results/DATE-CPU/error, those of a quick run to target/bench/error. Each
+field has a file of its own there, and what is measured again replaces it: a long run can be made in
+parts, by field and by size. Table and plots are of all that lies there.
 """
 
 import argparse
@@ -39,6 +41,8 @@ BALANCED = f"{OWN} cubic"
 ROUNDS = {"quick": 3, "usual": 7, "full": 15}
 CLOUD = {"quick": 10_000, "usual": 20_000, "full": 100_000}
 """Points on the surface whose distance from the mesh is measured."""
+MOST = 8_000_000
+"""Triangles of a mesh that takes part."""
 
 
 def parse() -> argparse.Namespace:
@@ -95,6 +99,8 @@ class Run:
         self.modes = list(arguments.mode or MODES)
         self.absent = bench_machine.absent(PROJECT / ".venv-bench/absent")
         self.tools = tools(self.modes, self.absent, self.threads)
+        self.triangles: dict[str, tuple[int, int]] = {}
+        """Of each tool's last mesh of the field, and the samples per axis."""
         self.failed = False
 
     def field(self, name: str) -> dict:
@@ -102,6 +108,7 @@ class Run:
         field = FIELDS[name]()
         cloud = field.cloud(CLOUD[self.scale])
         points, best, skipped, sampling = [], [], [], {}
+        self.triangles = {}
         for n in self.sizes:
             volumes, sampling[str(n)] = self._volumes(name, field, n)
             for tool, found in self._size(volumes, field, cloud, skipped).items():
@@ -155,6 +162,11 @@ class Run:
         for tool in self.tools.values():
             tool.close()
 
+    def _expected(self, name: str, n: int) -> int:
+        """Triangles that the tool will make, by those on the lattice before: 0 on the first."""
+        before, triangles = self.triangles.get(name, (n, 0))
+        return round(triangles * ((n - 1) / (before - 1)) ** 2)
+
     def _size(
         self,
         volumes: dict[bool, Volume],
@@ -173,12 +185,18 @@ class Run:
             # A peer may fail, what is measured may not.
             self.failed |= name.startswith(OWN)
 
+        n = volume.dims[0]
         for name, tool in self.tools.items():
+            if self._expected(name, n) > MOST:
+                most = f"about {self._expected(name, n):,} triangles, too many to compare"
+                skipped.append(f"{name}, {volume.name}: {most}")
+                continue
             try:
                 tool.take(volumes[is_double(name)])
                 mesh = tool.mesh(self.scratch / "mesh")
-                found[name] = errors(mesh, field, cloud, 2 / (volume.dims[0] - 1))
+                found[name] = errors(mesh, field, cloud, 2 / (n - 1))
                 found[name]["seconds"] = []
+                self.triangles[name] = n, len(mesh.triangles)
                 show(volume.name, name, found[name])
             except Failed as failure:
                 skip(name, failure)

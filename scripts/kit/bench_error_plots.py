@@ -14,7 +14,8 @@ from kit.bench_output import save
 
 OURS = ("#1b7f5c", "#c8553d", "#7b4fa3", "#2f6fbf", "#b0892f", "#0f9aa8", "#a0325a", "#5b7a1f")
 THEIRS = ("#222222", "#8a6d3b", "#c9a66b", "#d9822b", "#6c8ebf", "#a56cb5", "#9aa5b1")
-MARKS = "sDdv^<>"
+OUR_MARKS = "oXh"
+THEIR_MARKS = "sDdv^<>"
 
 Reading = Callable[[dict], float | None]
 """What a panel shows of a mesh."""
@@ -54,8 +55,10 @@ def style(run: dict) -> dict[str, dict]:
         if tool.startswith(OWN)
     ]
     for n, tool in enumerate(own):
-        styles[tool] = {"color": OURS[n % len(OURS)], "marker": "o", "linewidth": 2.2, "zorder": 5}
-    for tool, color, marker in zip(CHOSEN, THEIRS, MARKS, strict=True):
+        turn, place = divmod(n, len(OURS))
+        marker = OUR_MARKS[turn % len(OUR_MARKS)]
+        styles[tool] = {"color": OURS[place], "marker": marker, "linewidth": 2.2, "zorder": 5}
+    for tool, color, marker in zip(CHOSEN, THEIRS, THEIR_MARKS, strict=True):
         styles[tool] = {"color": color, "marker": marker, "linewidth": 1.1, "zorder": 3}
     return styles
 
