@@ -3,8 +3,8 @@
 
 Started by `scripts/bench_error`, which installs the peers and builds isokit's driver. Each field is
 sampled on lattices of several sizes; each tool makes its mesh once, which is compared with the
-surface of the field, and is then timed in turn with the others. A mesh of more than eight million
-triangles takes no part: to compare it would take many minutes.
+surface of the field, and is then timed in turn with the others. A mode that divides triangles takes
+no part where it would make more than eight million: to compare those takes minutes.
 
 The files go to scripts/results/DATE-CPU/error, those of a quick run to target/bench/error. Each
 field has a file of its own there, and what is measured again replaces it: a long run can be made in
@@ -24,7 +24,7 @@ from kit import bench_error_output, bench_machine
 from kit.bench_error_fields import FIELDS, Field
 from kit.bench_error_measure import errors
 from kit.bench_error_offsets import best_by_offsets
-from kit.bench_error_tools import MODES, OWN, is_double, making, tools
+from kit.bench_error_tools import MODES, OWN, divided, is_double, making, tools
 from kit.bench_measure import quartiles
 from kit.bench_volumes import NAMES, Volume
 from kit.bench_worker import Failed
@@ -42,7 +42,7 @@ ROUNDS = {"quick": 3, "usual": 7, "full": 15}
 CLOUD = {"quick": 10_000, "usual": 20_000, "full": 100_000}
 """Points on the surface whose distance from the mesh is measured."""
 MOST = 8_000_000
-"""Triangles of a mesh that takes part."""
+"""Triangles of a mode that divides them and takes part."""
 
 
 def parse() -> argparse.Namespace:
@@ -99,8 +99,6 @@ class Run:
         self.modes = list(arguments.mode or MODES)
         self.absent = bench_machine.absent(PROJECT / ".venv-bench/absent")
         self.tools = tools(self.modes, self.absent, self.threads)
-        self.triangles: dict[str, tuple[int, int]] = {}
-        """Of each tool's last mesh of the field, and the samples per axis."""
         self.failed = False
 
     def field(self, name: str) -> dict:
@@ -108,7 +106,6 @@ class Run:
         field = FIELDS[name]()
         cloud = field.cloud(CLOUD[self.scale])
         points, best, skipped, sampling = [], [], [], {}
-        self.triangles = {}
         for n in self.sizes:
             volumes, sampling[str(n)] = self._volumes(name, field, n)
             for tool, found in self._size(volumes, field, cloud, skipped).items():
@@ -162,11 +159,6 @@ class Run:
         for tool in self.tools.values():
             tool.close()
 
-    def _expected(self, name: str, n: int) -> int:
-        """Triangles that the tool will make, by those on the lattice before: 0 on the first."""
-        before, triangles = self.triangles.get(name, (n, 0))
-        return round(triangles * ((n - 1) / (before - 1)) ** 2)
-
     def _size(
         self,
         volumes: dict[bool, Volume],
@@ -187,8 +179,9 @@ class Run:
 
         n = volume.dims[0]
         for name, tool in self.tools.items():
-            if self._expected(name, n) > MOST:
-                most = f"about {self._expected(name, n):,} triangles, too many to compare"
+            expected = divided(name, found)
+            if expected > MOST:
+                most = f"{expected:,} triangles, too many to compare"
                 skipped.append(f"{name}, {volume.name}: {most}")
                 continue
             try:
@@ -196,7 +189,6 @@ class Run:
                 mesh = tool.mesh(self.scratch / "mesh")
                 found[name] = errors(mesh, field, cloud, 2 / (n - 1))
                 found[name]["seconds"] = []
-                self.triangles[name] = n, len(mesh.triangles)
                 show(volume.name, name, found[name])
             except Failed as failure:
                 skip(name, failure)

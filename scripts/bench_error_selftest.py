@@ -17,7 +17,7 @@ from kit.bench_error_mesh import Mesh, from_arrays, topology
 from kit.bench_error_must import figures as promised
 from kit.bench_error_must import reach
 from kit.bench_error_offsets import best_by_offsets
-from kit.bench_error_tools import MODES, making
+from kit.bench_error_tools import MODES, divided, making
 from kit.tally import Tally
 
 SPACING = 0.1
@@ -262,6 +262,10 @@ def driver(tally: Tally, folder: Path) -> None:
     else:
         refused = False
     tally.check("modes", "an unknown word is refused", refused)
+    found = {"vtk Flying Edges": {"triangles": 7}, "isokit cubic refine=1": {"triangles": 40}}
+    tally.check("modes", "divides anew", divided("isokit cubic refine=2", found) == 160)
+    tally.check("modes", "divides nothing", divided("isokit linear", found) == 0)
+    tally.check("modes", "no mode to go by", divided("isokit cubic refine=2", {}) == 0)
     mesh, path = ball(1, 0.7), folder / "mesh.bin"
     samples = (mesh.vertices + 1) / SPACING
     parts = (samples.astype("<f8"), mesh.normals.astype("<f4"), mesh.triangles.astype("<u4"))

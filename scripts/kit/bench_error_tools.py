@@ -203,3 +203,20 @@ def tools(modes: list[str], absent: dict[str, str], threads: int) -> dict[str, T
         if name not in absent:
             found[name] = Remote(name, threads)
     return found
+
+
+def divided(tool: str, found: dict[str, dict]) -> int:
+    """About as many triangles as a mode of isokit makes by dividing; 0 if it does not.
+
+    Each is divided into four as often as the mode says. How many there are before is read off the
+    figures of another mode; 0 if there is none.
+    """
+
+    def fold(name: str) -> int:
+        asked = making(name.removeprefix(OWN)) if name.startswith(OWN) else None
+        return 4 ** asked["refine"] if asked and asked["max_error"] is None else 0
+
+    if fold(tool) < 4:
+        return 0
+    whole = (figures["triangles"] // fold(name) for name, figures in found.items() if fold(name))
+    return fold(tool) * next(whole, 0)

@@ -4,7 +4,7 @@ use crate::{
     Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Skipped, Source, Topology,
     fill::{Fill, Winding},
     layout::{Layout, check_size},
-    planes::{Lattice, Planes},
+    planes::{Lattice, Planes, Signs},
     sweep::{Sweep, Swept},
     tally::{Tally, Whole},
     trilinear::Values,
@@ -159,17 +159,19 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         Thresholds::new(&[view.scaling().threshold(iso)]).filter(|_| lattice.has_cells());
     let Some(thresholds) = thresholds else { return Ok(ControlFlow::Continue(0)) };
     let sweep = Sweep {
-        view: *view,
-        lattice,
-        thresholds,
-        stops_at_nan: options.nan != Nan::Outside && !T::DTYPE.is_integer(),
+        signs: Signs {
+            view: *view,
+            lattice,
+            thresholds,
+            stops_at_nan: options.nan != Nan::Outside && !T::DTYPE.is_integer(),
+        },
         values: Values::new(*view, iso, lattice.guard).at_hand(),
         decides: options.topology == Topology::Trilinear,
         placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
         winding: Winding::of(view.frame()),
     };
     let mut likely = sweep.likely((precision, sink.wants_normals()), job);
-    if options.nan == Nan::Mask && sweep.stops_at_nan {
+    if options.nan == Nan::Mask && sweep.signs.stops_at_nan {
         // All would be done again.
         likely = Counts::default();
     }

@@ -12,8 +12,11 @@ use std::{ops::Range, slice::Chunks, sync::Arc};
 
 mod chosen;
 mod classify;
+mod signs;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use signs::Signs;
 
 /// Sizes of the lattice, and where the samples are in it.
 #[derive(Clone, Copy, Debug)]
@@ -56,11 +59,7 @@ impl Lattice {
 
     /// The samples of a slice as one long row, where the rows lie one behind another and fill all bits of their
     /// words; in pieces of [`PIECE`] samples, which stay in the first cache.
-    pub(crate) fn as_one_row<'a, T: Sample>(
-        &self,
-        view: &View<'a, T>,
-        k: usize,
-    ) -> Option<Chunks<'a, T>> {
+    fn as_one_row<'a, T: Sample>(&self, view: &View<'a, T>, k: usize) -> Option<Chunks<'a, T>> {
         let samples = view.slice(k).filter(|all| all.len() == WORD * self.slice_words())?;
         Some(samples.chunks(PIECE))
     }
@@ -79,7 +78,7 @@ impl Lattice {
 const PIECE: usize = PIECE_WORDS * WORD;
 
 /// Words of a piece.
-pub(crate) const PIECE_WORDS: usize = 64;
+const PIECE_WORDS: usize = 64;
 
 /// Moves the bits of a row of samples behind a guard.
 #[inline(always)]

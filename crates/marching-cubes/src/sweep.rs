@@ -13,14 +13,14 @@
 use crate::{
     fill::{Fill, Rest, Scratch, Winding, in_large_pages},
     layout::{Layout, Row, check_size},
-    planes::{Lattice, PIECE_WORDS, Planes, behind_guard},
+    planes::{Lattice, Planes, Signs},
     trilinear::Values,
     vertex::Placer,
 };
 use isokit_job::{Cancelled, Job, Turns};
-use isokit_lanes::{Coordinate, Thresholds, Word, exactly, has_nan, signs_of_many, words};
+use isokit_lanes::{Coordinate, Word, exactly};
 use isokit_mesh::{Counts, Piece, PositionsMut, Precision};
-use isokit_volume::{Sample, View};
+use isokit_volume::Sample;
 use std::{
     ops::Range,
     sync::{
@@ -31,11 +31,8 @@ use std::{
 
 /// What there is to extract.
 pub(crate) struct Sweep<'a, T> {
-    pub(crate) view: View<'a, T>,
-    pub(crate) lattice: Lattice,
-    /// One.
-    pub(crate) thresholds: Thresholds<T>,
-    pub(crate) stops_at_nan: bool,
+    /// By one threshold.
+    pub(crate) signs: Signs<'a, T>,
     pub(crate) values: Values<'a, T>,
     /// Whether the values decide what the signs leave open.
     pub(crate) decides: bool,
@@ -105,9 +102,9 @@ impl<T: Sample> Sweep<'_, T> {
     pub(crate) fn is_allowed(&self, job: &Job) -> bool {
         let [slabs, per_slab] = self.size(job);
         let threads = slabs.min(job.threads.count()) as u64;
-        let row = (self.lattice.words * size_of::<u64>() + size_of::<Row>()) as u64;
+        let row = (self.signs.lattice.words * size_of::<u64>() + size_of::<Row>()) as u64;
         // A slab has the slices below it and above it too.
-        let rows = (self.lattice.points[1] as u64).checked_mul(per_slab as u64 + 2);
+        let rows = (self.signs.lattice.points[1] as u64).checked_mul(per_slab as u64 + 2);
         let bytes = rows.and_then(|rows| rows.checked_mul(row));
         let bytes = bytes.and_then(|bytes| bytes.checked_mul(threads));
         job.limits.probe("slabs", bytes, 1).is_ok()
@@ -118,7 +115,7 @@ impl<T: Sample> Sweep<'_, T> {
     /// has no list of 32 MiB and more. Nothing elsewhere, or if twice as much is not allowed and there, or if the
     /// samples stay in the cache for the passes.
     pub(crate) fn likely(&self, (precision, has_normals): (Precision, bool), job: &Job) -> Counts {
-        let samples = self.view.dims().iter().map(|&n| n as u64).product::<u64>();
+        let samples = self.signs.view.dims().iter().map(|&n| n as u64).product::<u64>();
         let ample = samples.max(1 << 24);
         let likely = Counts { vertices: ample / 4, triangles: ample / 2 };
         let bytes = likely.bytes(precision, has_normals);
@@ -131,14 +128,14 @@ impl<T: Sample> Sweep<'_, T> {
 
     /// How many slabs there are, and the slices of samples in each but the last.
     fn size(&self, job: &Job) -> [usize; 2] {
-        let [nx, ny, slices] = self.view.dims();
+        let [nx, ny, slices] = self.signs.view.dims();
         let fit = SLAB / (nx * ny * size_of::<T>());
         let per_slab = fit.max(SLICES).min(slices / (job.threads.count() * SLABS)).max(1);
         [slices.div_ceil(per_slab), per_slab]
     }
 
     fn slabs<C: Coordinate>(&self, rest: Rest<'_, C>, job: &Job) -> Result<Swept, Cancelled> {
-        let (slices, threads) = (self.view.dims()[2], job.threads.count());
+        let (slices, threads) = (self.signs.view.dims()[2], job.threads.count());
         let [slabs, per_slab] = self.size(job);
         let mut ends: Vec<Mutex<Option<Vec<u64>>>> = vec![];
         ends.resize_with(slabs, Mutex::default);
@@ -160,7 +157,7 @@ impl<T: Sample> Sweep<'_, T> {
             exactly(|| self.slab(n, slices, own, &shared));
             Ok(())
         };
-        shared.turns.run(slabs, threads, || Own::new(self.lattice), slab)?;
+        shared.turns.run(slabs, threads, || Own::new(self.signs.lattice), slab)?;
         let left = shared.left.into_inner().unwrap_or_else(PoisonError::into_inner);
         let Left { before: counts, singular_cells, filled, .. } = left;
         Ok(match (shared.has_nan.into_inner(), shared.turns.is_over()) {
@@ -178,8 +175,8 @@ impl<T: Sample> Sweep<'_, T> {
         own: &mut Own<T>,
         shared: &Shared<'_, C>,
     ) -> Option<()> {
-        let Lattice { points: [_, ny, nz], guard, .. } = self.lattice;
-        let slice_words = self.lattice.slice_words();
+        let Lattice { points: [_, ny, nz], guard, .. } = self.signs.lattice;
+        let slice_words = self.signs.lattice.slice_words();
         // The last slice of the slab before, where there is one, is this one's.
         let below = usize::from(n > 0);
         let first = samples.start + guard - below;
@@ -199,7 +196,7 @@ impl<T: Sample> Sweep<'_, T> {
         handed.extend_from_slice(&classified[classified.len() - slice_words..]);
         *lock(&shared.ends[n]) = Some(handed);
 
-        let is_last = samples.end == self.view.dims()[2];
+        let is_last = samples.end == self.signs.view.dims()[2];
         let end = if is_last { nz } else { samples.end + guard - 1 };
         let slices = if n == 0 { 0 } else { first }..end;
         let values = self.decides.then_some(&self.values);
@@ -223,30 +220,9 @@ impl<T: Sample> Sweep<'_, T> {
 
     /// The bits of some slices of samples, into zeros. False if there is a NaN that matters.
     fn classify(&self, slices: Range<usize>, bits: &mut [u64], scratch: &mut Vec<T>) -> bool {
-        let [nx, ny, _] = self.view.dims();
-        for (k, slice) in slices.zip(bits.chunks_exact_mut(self.lattice.slice_words())) {
-            if let Some(pieces) = self.lattice.as_one_row(&self.view, k) {
-                for (piece, out) in pieces.zip(slice.chunks_mut(PIECE_WORDS)) {
-                    signs_of_many(piece, &self.thresholds, out, out.len());
-                    if self.stops_at_nan && has_nan(piece) {
-                        return false;
-                    }
-                }
-                continue;
-            }
-            for j in 0..ny {
-                let row = self.view.row(j, k).gather(scratch);
-                let out = &mut slice[self.lattice.row_of_samples(j)];
-                signs_of_many(row, &self.thresholds, &mut out[..words(nx)], words(nx));
-                if self.stops_at_nan && has_nan(row) {
-                    return false;
-                }
-                if self.lattice.guard > 0 {
-                    behind_guard(out);
-                }
-            }
-        }
-        true
+        let words = self.signs.lattice.slice_words();
+        let mut of_slices = slices.zip(bits.chunks_exact_mut(words));
+        of_slices.all(|(k, bits)| self.signs.classify(k, (bits, words), scratch))
     }
 }
 

@@ -1,9 +1,9 @@
 //! How much surfaces have, where nobody wants them: slices are classified for all isovalues and counted while
 //! they are in the cache. No plane is kept.
 
-use crate::planes::{Lattice, PIECE_WORDS, behind_guard};
+use crate::planes::{Lattice, Signs};
 use isokit_job::{Job, Stopped};
-use isokit_lanes::{Layer, Rows, Threshold, Thresholds, exactly, has_nan, signs_of_many, words};
+use isokit_lanes::{Layer, Rows, Threshold, Thresholds, exactly};
 use isokit_mesh::Counts;
 use isokit_volume::{Sample, View};
 use rayon::prelude::*;
@@ -14,10 +14,7 @@ const TASKS: usize = 4;
 
 /// What there is to count.
 pub(crate) struct Tally<'a, T> {
-    view: View<'a, T>,
-    lattice: Lattice,
-    thresholds: Thresholds<T>,
-    stops_at_nan: bool,
+    signs: Signs<'a, T>,
     /// For every word of a slice, which of its points begin a cell along x.
     cells: Vec<u64>,
 }
@@ -68,7 +65,8 @@ impl<'a, T: Sample> Tally<'a, T> {
             let mut cells = job.limits.zeroed("cells of a slice", slice_words(lattice))?;
             let row = (0..lattice.words).map(|w| lattice.cells(w)).cycle();
             cells.iter_mut().zip(row).for_each(|(word, cells)| *word = cells);
-            let tally = Self { view, lattice, thresholds, stops_at_nan, cells };
+            let signs = Signs { view, lattice, thresholds, stops_at_nan };
+            let tally = Self { signs, cells };
             let all = tally.all(job)?;
             if all.has_nan {
                 return Ok(None);
@@ -83,7 +81,7 @@ impl<'a, T: Sample> Tally<'a, T> {
     }
 
     fn all(&self, job: &Job) -> Result<Found, Stopped> {
-        let slices = self.lattice.points[2];
+        let slices = self.signs.lattice.points[2];
         let per_task = slices.div_ceil(TASKS * job.threads.count());
         let tasks = slices.div_ceil(per_task);
         let count = |task| {
@@ -93,7 +91,7 @@ impl<'a, T: Sample> Tally<'a, T> {
         let counted: Vec<Found> =
             (0..tasks).into_par_iter().map(count).collect::<Result<_, _>>()?;
         let mut sum = Found::default();
-        sum.counts.resize(self.thresholds.count(), Whole::default());
+        sum.counts.resize(self.signs.thresholds.count(), Whole::default());
         for found in counted {
             sum.has_nan |= found.has_nan;
             sum.counts.iter_mut().zip(found.counts).for_each(|(sum, more)| sum.add(more));
@@ -103,8 +101,8 @@ impl<'a, T: Sample> Tally<'a, T> {
 
     /// What the slices above these add, each to those below it; and with the first of all what that is by itself.
     fn some(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
-        let (planes, nz) = (self.thresholds.count(), self.lattice.points[2]);
-        let rows = Rows { words: self.lattice.words, cells: &self.cells };
+        let (planes, nz) = (self.signs.thresholds.count(), self.signs.lattice.points[2]);
+        let rows = Rows { words: self.signs.lattice.words, cells: &self.cells };
         // A slice ends with the one word more that the loops may look at.
         let stride = self.cells.len() + 1;
         let size = (stride as u64).checked_mul(planes as u64);
@@ -134,33 +132,14 @@ impl<'a, T: Sample> Tally<'a, T> {
         Ok(found)
     }
 
-    /// The bits of a slice for every threshold, one after another.
+    /// The bits of slice `z` of the lattice for every threshold, one after another.
     fn classify(&self, z: usize, bits: &mut [u64], found: &mut Found, scratch: &mut Vec<T>) {
-        let Lattice { points: [_, ny, nz], guard, words: per_row } = self.lattice;
-        let stride = self.cells.len() + 1;
+        let Lattice { points: [_, _, nz], guard, .. } = self.signs.lattice;
         if z < guard || z >= nz - guard {
             return bits.fill(0);
         }
-        if let Some(pieces) = self.lattice.as_one_row(&self.view, z - guard) {
-            for (n, piece) in pieces.enumerate() {
-                found.has_nan |= self.stops_at_nan && has_nan(piece);
-                signs_of_many(piece, &self.thresholds, &mut bits[n * PIECE_WORDS..], stride);
-            }
-            return;
-        }
-        for y in guard..ny - guard {
-            let row = self.view.row(y - guard, z - guard).gather(scratch);
-            found.has_nan |= self.stops_at_nan && has_nan(row);
-            let bits = &mut bits[y * per_row..];
-            signs_of_many(row, &self.thresholds, bits, stride);
-            if guard > 0 {
-                for plane in bits.chunks_mut(stride) {
-                    let row = &mut plane[..per_row];
-                    row[words(self.view.dims()[0])..].fill(0);
-                    behind_guard(row);
-                }
-            }
-        }
+        let of_planes = (bits, self.cells.len() + 1);
+        found.has_nan |= !self.signs.classify(z - guard, of_planes, scratch);
     }
 }
 
