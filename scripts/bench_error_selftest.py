@@ -217,8 +217,9 @@ def promises(tally: Tally) -> None:
     points += curve("vtk Flying Edges", sizes, 1e-4, 2, 8)
     points += curve("PyMCubes", sizes, 1e-4, 2, 80)
     points += [point | {"rms": 1e-5} for point in curve("isokit cubic balance", sizes, 1e-9, 4, 20)]
-    for placement, order in (("linear", 2), ("cubic", 4), ("quintic", 5.2)):
-        points += curve(f"isokit {placement} exact f64", sizes, 1e-3, order, 0.01)
+    orders = (("linear exact", 2), ("cubic exact matching", 4), ("quintic exact matching", 5.2))
+    for mode, order in orders:
+        points += curve(f"isokit {mode} f64", sizes, 1e-3, order, 0.01)
     best = [{"n": n, "h": 2 / (n - 1), "rms": 8e-6, "triangles": n * n} for n in sizes]
     run = {"field": "ball", "smooth": True, "diameter": 2.0, "points": points}
     found = promised([run | {"best_by_offsets": best}, run | {"smooth": False}])

@@ -19,6 +19,7 @@ from kit.program import PROJECT, Isokit
 from kit.tally import Tally
 
 LEVELS = ("portable", "avx2", "avx512")
+MODES = (("linear", "gradient"), ("cubic", "matching"), ("quintic", "gradient"))
 DTYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
 FIXTURES = {"head.nii.gz": 90, "marschner_lobb.nrrd": 0.5, "part.mha": 100, "ties.npy": 0}
 
@@ -52,14 +53,15 @@ def main() -> int:
     tally = Tally("check_levels", quiet=True)
     with tempfile.TemporaryDirectory() as name:
         out = Path(name, "out.ply")
-        choices = product(volumes(Path(name)), ("closed", "open"), ("linear", "cubic"))
-        for (volume, iso), border, placement in choices:
-            same = ("--boundary", border, "--placement", placement, "--threads")
-            expected = written(isokit, volume, iso, out, "portable", *same, "1")
-            tally.check(volume.name, f"{border}, {placement}: has a surface", len(expected) > 1000)
+        choices = product(volumes(Path(name)), ("closed", "open"), MODES)
+        for (volume, iso), border, (placement, normals) in choices:
+            mode = f"{border}, {placement}, {normals}"
+            same = ("--boundary", border, "--placement", placement, "--normals", normals)
+            expected = written(isokit, volume, iso, out, "portable", *same, "--threads", "1")
+            tally.check(volume.name, f"{mode}: has a surface", len(expected) > 1000)
             for level, threads in product(LEVELS, ("1", "2")):
-                subject = f"{volume.name}, {border}, {placement}, {level}, {threads} threads"
-                found = written(isokit, volume, iso, out, level, *same, threads)
+                subject = f"{volume.name}, {mode}, {level}, {threads} threads"
+                found = written(isokit, volume, iso, out, level, *same, "--threads", threads)
                 if found:
                     tally.check(subject, "the same bytes", found == expected)
                 else:

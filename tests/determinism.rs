@@ -3,7 +3,9 @@
 use isokit::{
     geom::{Affine, Frame},
     job::{Job, Threads},
-    marching_cubes::{Boundary, ExtractOptions, Nan, Placement, Topology, extract, extract_into},
+    marching_cubes::{
+        Boundary, ExtractOptions, Gradient, Nan, Placement, Topology, extract, extract_into,
+    },
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
@@ -28,16 +30,18 @@ fn volume(dims: [u64; 3]) -> Volume<f32> {
     Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
 }
 
-fn options() -> [ExtractOptions; 7] {
+fn options() -> [ExtractOptions; 8] {
     let default = || ExtractOptions::DEFAULT;
+    let linear = || default().with_placement(Placement::Linear);
     [
         default(),
         default().with_boundary(Boundary::Open),
         default().with_nan(Nan::Mask),
-        default().with_placement(Placement::Cubic),
-        default().with_placement(Placement::Quintic).with_boundary(Boundary::Open),
-        default().with_topology(Topology::Trilinear),
-        default().with_topology(Topology::Trilinear).with_placement(Placement::Cubic),
+        default().with_placement(Placement::Cubic).with_gradient(Gradient::Matching),
+        default().with_gradient(Gradient::Matching).with_boundary(Boundary::Open),
+        linear(),
+        linear().with_topology(Topology::Table).with_nan(Nan::Mask),
+        default().with_topology(Topology::Table).with_placement(Placement::Cubic),
     ]
 }
 

@@ -12,8 +12,8 @@ use isokit::{
     job::{Job, Threads},
     lanes::Level,
     marching_cubes::{
-        Boundary, Budget, ExtractOptions, Placement, Slabs, Source, Topology, count, extract,
-        extract_many, extract_slabs,
+        Boundary, Budget, ExtractOptions, Gradient, Placement, Slabs, Source, Topology, count,
+        extract, extract_many, extract_slabs,
     },
     mesh::{TriMesh, topology},
     refine::{Isosurface, RefineOptions, Subdivision, refine},
@@ -64,10 +64,15 @@ fn flushes() -> bool {
 fn modes() -> Vec<ExtractOptions> {
     let mut all = vec![];
     for topology in [Topology::Table, Topology::Trilinear] {
-        for placement in [Placement::Linear, Placement::Cubic] {
+        for (placement, gradient) in [
+            (Placement::Linear, Gradient::Central),
+            (Placement::Cubic, Gradient::Matching),
+            (Placement::Quintic, Gradient::Central),
+        ] {
             for boundary in [Boundary::Closed, Boundary::Open] {
                 let options = ExtractOptions::DEFAULT.with_topology(topology);
-                all.push(options.with_placement(placement).with_boundary(boundary));
+                let options = options.with_placement(placement).with_gradient(gradient);
+                all.push(options.with_boundary(boundary));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use isokit::{
     geom::{Affine, Frame},
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, Topology},
+    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, Placement, Topology},
     volume::{Grid, Sample, Scaling, Volume},
 };
 use isokit_tests::{chance::Chance, oracle::assert_as_defined};
@@ -30,6 +30,7 @@ fn options(chance: &mut Chance) -> ExtractOptions {
     let mut of = |count| chance.below(count) as usize;
     ExtractOptions::DEFAULT
         .with_topology(Topology::Table)
+        .with_placement(Placement::Linear)
         .with_boundary([Boundary::Closed, Boundary::Open][of(2)])
         .with_degenerate([Degenerate::Never, Degenerate::Exact][of(2)])
         .with_nan([Nan::Outside, Nan::Mask][of(2)])

@@ -6,7 +6,7 @@
 use isokit::{
     geom::{Affine, Frame},
     job::Job,
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Topology, extract},
+    marching_cubes::{Boundary, Degenerate, ExtractOptions, Placement, Topology, extract},
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
@@ -134,9 +134,11 @@ fn mesh<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) -> Tr
 fn modes() -> Vec<ExtractOptions> {
     let mut all = vec![];
     for topology in [Topology::Table, Topology::Trilinear] {
-        for boundary in [Boundary::Closed, Boundary::Open] {
-            let options = ExtractOptions::DEFAULT.with_topology(topology);
-            all.push(options.with_boundary(boundary));
+        for placement in [Placement::Linear, Placement::Quintic] {
+            for boundary in [Boundary::Closed, Boundary::Open] {
+                let options = ExtractOptions::DEFAULT.with_topology(topology);
+                all.push(options.with_placement(placement).with_boundary(boundary));
+            }
         }
     }
     all

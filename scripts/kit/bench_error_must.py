@@ -152,11 +152,12 @@ def of_balance(run: dict) -> list[Figure]:
 def orders(run: dict) -> list[Figure]:
     """By how fast errors fall."""
     curves, found = by_tool(run["points"]), []
-    for placement, must in (("linear", 1.9), ("cubic", 3.8), ("quintic", 5.5)):
-        points = curves.get(f"{OWN} {placement} exact {DOUBLE}", [])
-        what = f"order of vertices, {placement}"
+    modes = (("linear exact", 1.9), ("cubic exact matching", 3.8), ("quintic exact matching", 5.5))
+    for mode, must in modes:
+        points = curves.get(f"{OWN} {mode} {DOUBLE}", [])
+        what = f"order of vertices, {mode.split()[0]}"
         found.append(order(run, what, points, ("vertex_rms", 0.0), must))
-    points = curves.get(f"{OWN} cubic exact {DOUBLE}", [])
+    points = curves.get(f"{OWN} cubic exact matching {DOUBLE}", [])
     found.append(order(run, "order of normals, cubic", points, ("vertex_angle", NORMALS), 3.8))
     return [figure for figure in found if figure.value is not None]
 

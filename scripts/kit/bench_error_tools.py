@@ -37,18 +37,21 @@ MODES = (
     "cubic",
     "cubic exact",
     "quintic exact",
+    "quintic exact matching",
     "cubic balance",
     "cubic refine=1",
     "cubic refine=1 balance",
     "cubic refine=2 balance",
     f"linear exact {DOUBLE}",
-    f"cubic exact {DOUBLE}",
-    f"quintic exact {DOUBLE}",
+    f"cubic exact matching {DOUBLE}",
+    f"quintic exact matching {DOUBLE}",
 )
 """The modes of isokit.
 
 With *exact* vertices may lie on samples; without, they keep a thousandth of an edge from them, which
-matters beside an error of higher order. *refine=N* divides every edge so often.
+matters beside an error of higher order. With *matching* normals are of the placement's order; without,
+from central differences, but where triangles are divided or balanced. *refine=N* divides every edge so
+often.
 """
 
 DRIVER = PROJECT / "target/release/examples/bench_error"
@@ -166,6 +169,7 @@ def making(mode: str) -> dict:
     asked = {
         "placement": "linear",
         "topology": "table",
+        "matching": False,
         "exact": False,
         "double": False,
         "refine": 0,
@@ -178,7 +182,7 @@ def making(mode: str) -> dict:
             asked["placement"] = word
         elif word in ("table", "trilinear"):
             asked["topology"] = word
-        elif word in ("exact", "balance"):
+        elif word in ("matching", "exact", "balance"):
             asked[word] = True
         elif word == DOUBLE:
             asked["double"] = True

@@ -57,16 +57,16 @@ def synthetic(bench: Bench, store: Store) -> None:
 
 
 def defaults(bench: Bench, store: Store) -> None:
-    """What who changes no option gets: a closed border, and what the trilinear interpolant connects; and
-    NaN an error, as the program has it.
+    """What who changes no option gets: a closed border, what the trilinear interpolant connects, and
+    vertices on quintics; and NaN an error, as the program has it.
     """
     for volume in fields(bench, store):
         with bench.workers():
             plain = extract(volume)
-            closed = plain | {"boundary": "closed", "topology": "trilinear"}
+            own = {"boundary": "closed", "topology": "trilinear", "placement": "quintic"}
             entries = [
-                Entry("isokit", volume, closed),
-                Entry("isokit", volume, closed | {"nan": "error"}),
+                Entry("isokit", volume, plain | own),
+                Entry("isokit", volume, plain | own | {"nan": "error"}),
                 Entry(EDGES, volume, plain),
             ]
             library, program, theirs = bench.run(entries)
@@ -106,12 +106,15 @@ def real(bench: Bench, store: Store) -> None:
 
 def modes(bench: Bench, store: Store) -> None:
     """What topology and placement cost beside the plain way, on scans, and on all of them together."""
+    matching = {"gradient": "matching"}
     changes = (
         ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),
         ("--placement cubic", {"placement": "cubic"}, False, {"must": 1.15}),
         ("--placement cubic", {"placement": "cubic"}, True, {}),
+        ("--placement cubic --normals matching", {"placement": "cubic"} | matching, True, {}),
         ("--placement quintic", {"placement": "quintic"}, False, {}),
         ("--placement quintic", {"placement": "quintic"}, True, {}),
+        ("--placement quintic --normals matching", {"placement": "quintic"} | matching, True, {}),
     )
     seconds: dict[int, list[list[list[float]]]] = {n: [] for n in range(len(changes))}
 

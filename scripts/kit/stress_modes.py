@@ -30,6 +30,7 @@ class Mode:
 
     topology: str = "table"
     placement: str = "linear"
+    normals: str = "gradient"
     boundary: str = "closed"
     threads: str = "1"
     simd: str = "portable"
@@ -39,7 +40,7 @@ class Mode:
     @property
     def plain(self) -> "Mode":
         """The mode that must give the same bytes."""
-        return Mode(self.topology, self.placement, self.boundary)
+        return Mode(self.topology, self.placement, self.normals, self.boundary)
 
     def __str__(self) -> str:
         """As a message names it."""
@@ -49,11 +50,11 @@ class Mode:
         """For the command line."""
         fixed = ["--degenerate", "never", "--nan", "outside", "--quiet"]
         sliced = ["--max-memory", "512MiB"] if self.memory == "sliced" else []
-        named = ("topology", "placement", "boundary", "threads")
+        named = ("topology", "placement", "normals", "boundary", "threads")
         return fixed + sliced + [part for n in named for part in (f"--{n}", getattr(self, n))]
 
 
-LISTED = replace(Mode(), topology="trilinear", threads="2", simd="")
+LISTED = replace(Mode(), topology="trilinear", placement="quintic", threads="2", simd="")
 """The mode for volumes of the listed size: the program's own choices."""
 
 
@@ -69,6 +70,7 @@ class Modes:
         self.choices = {
             "topology": ["table", "trilinear"],
             "placement": ["linear", "cubic", "quintic"],
+            "normals": ["gradient", "matching"],
             "boundary": ["closed", "open"],
             "threads": ["1", "2"],
             "simd": levels,

@@ -14,8 +14,8 @@ use isokit::{
     geom::Frame,
     job::{Job, Threads},
     marching_cubes::{
-        Boundary, Budget, Degenerate, ExtractOptions, Placement, Slabs, Topology, extract,
-        extract_slabs,
+        Boundary, Budget, Degenerate, ExtractOptions, Gradient, Placement, Slabs, Topology,
+        extract, extract_slabs,
     },
     mesh::TriMesh,
     volume::{Grid, Sample, Slices, View, Volume},
@@ -29,6 +29,7 @@ fn options() -> Vec<ExtractOptions> {
     for boundary in [Boundary::Closed, Boundary::Open] {
         for degenerate in [Degenerate::Never, Degenerate::Exact] {
             let options = ExtractOptions::DEFAULT.with_topology(Topology::Table);
+            let options = options.with_placement(Placement::Linear);
             all.push(options.with_boundary(boundary).with_degenerate(degenerate));
         }
     }
@@ -39,10 +40,15 @@ fn options() -> Vec<ExtractOptions> {
 fn modes() -> Vec<ExtractOptions> {
     let mut all = vec![];
     for topology in [Topology::Table, Topology::Trilinear] {
-        for placement in [Placement::Linear, Placement::Cubic, Placement::Quintic] {
+        for (placement, gradient) in [
+            (Placement::Linear, Gradient::Central),
+            (Placement::Cubic, Gradient::Matching),
+            (Placement::Quintic, Gradient::Central),
+        ] {
             for boundary in [Boundary::Closed, Boundary::Open] {
                 let options = ExtractOptions::DEFAULT.with_topology(topology);
-                all.push(options.with_placement(placement).with_boundary(boundary));
+                let options = options.with_placement(placement).with_gradient(gradient);
+                all.push(options.with_boundary(boundary));
             }
         }
     }

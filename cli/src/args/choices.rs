@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use isokit::{
     io::Format,
-    marching_cubes::{Boundary, Degenerate, Nan, Placement, Topology},
+    marching_cubes::{Boundary, Degenerate, Gradient, Nan, Placement, Topology},
     pipeline::{Normals, TargetSpace},
 };
 
@@ -36,19 +36,21 @@ pub(crate) enum TopologyArg {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlacementArg {
     /// Where the straight line between two samples has the value: error O(h^2)
-    #[default]
     Linear,
-    /// Where the cubic through the four nearest samples in line has it, with normals as good: O(h^4)
+    /// Where the cubic through the four nearest samples in line has it: O(h^4)
     Cubic,
     /// The same with six samples: O(h^6)
+    #[default]
     Quintic,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NormalsArg {
-    /// The direction in which the samples fall
+    /// The direction in which the samples fall, from central differences: error O(h^2)
     #[default]
     Gradient,
+    /// The same from differences as exact as the placement; always so where triangles are refined or balanced
+    Matching,
     /// The mean of the triangles around a vertex
     Area,
     /// None: a viewer shades triangles flat or makes its own
@@ -118,9 +120,18 @@ impl From<TopologyArg> for Topology {
 impl From<NormalsArg> for Normals {
     fn from(arg: NormalsArg) -> Self {
         match arg {
-            NormalsArg::Gradient => Self::Gradient,
+            NormalsArg::Gradient | NormalsArg::Matching => Self::Gradient,
             NormalsArg::Area => Self::Area,
             NormalsArg::None => Self::None,
+        }
+    }
+}
+
+impl From<NormalsArg> for Gradient {
+    fn from(arg: NormalsArg) -> Self {
+        match arg {
+            NormalsArg::Matching => Self::Matching,
+            NormalsArg::Gradient | NormalsArg::Area | NormalsArg::None => Self::Central,
         }
     }
 }

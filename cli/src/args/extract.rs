@@ -37,7 +37,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) topology: TopologyArg,
     /// Where between two samples a vertex lies, for samples h apart of a smooth field; the triangles are the
-    /// same [default: linear; cubic with --refine, --max-error or --balance]
+    /// same [default: quintic; cubic with --refine, --max-error or --balance]
     #[arg(long, value_enum, help_heading = "Surface")]
     pub(crate) placement: Option<PlacementArg>,
     /// Which normals the vertices get
@@ -64,7 +64,8 @@ pub(crate) struct ExtractArgs {
     #[arg(long, help_heading = "Accuracy")]
     pub(crate) balance: bool,
     /// Part of the volume, in samples: x0:x1,y0:y1,z0:z1, upper ends not included; an end may be left
-    /// out
+    /// out. What lies beyond is not looked at: near the part's border normals, and vertices that are not
+    /// placed linearly, differ a little from those of the whole
     #[arg(long, value_name = "RANGES", value_parser = Region::parse_samples)]
     #[arg(conflicts_with = "roi_mm", help_heading = "Part and place")]
     pub(crate) roi: Option<Region>,

@@ -71,6 +71,7 @@ impl ExtractPlan {
             .with_topology(args.topology.into())
             .with_degenerate(args.degenerate.into())
             .with_placement(placement.into())
+            .with_gradient(args.normals.into())
             .with_nan(args.nan.into());
         let surface =
             SurfaceOptions::default().with_extract(extract).with_normals(args.normals.into());

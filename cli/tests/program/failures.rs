@@ -116,7 +116,7 @@ fn an_interrupt_is_status_130_and_leaves_nothing() {
 
 /// A few slices of the ball at a time: the first pieces of the mesh are on the disk before the last slice
 /// is read.
-const FEW_SLICES: &str = " --topology table --max-memory 44039KiB";
+const FEW_SLICES: &str = " --topology table --placement linear --max-memory 44039KiB";
 
 /// Outputs that were begun and have no name yet.
 fn half_made(folder: &Folder) -> usize {

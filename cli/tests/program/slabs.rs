@@ -12,9 +12,9 @@ fn limits(words: &str) -> Vec<String> {
     let room = 40 * 1024 + 3 * 1024 * words.matches("--iso ").count();
     // Where all cells may be special, a slice takes four times as much.
     let times = if words.contains("--topology table") { 1 } else { 4 };
-    let slices = match words.contains("--placement") {
-        true => [21, 23, 26, 1 << 20],
-        false => [7, 9, 13, 1 << 20],
+    let slices = match words.contains("--placement linear") {
+        true => [7, 9, 13, 1 << 20],
+        false => [21, 23, 26, 1 << 20],
     };
     slices.iter().map(|slices| format!("{}KiB", room + times * slices)).collect()
 }
@@ -22,6 +22,14 @@ fn limits(words: &str) -> Vec<String> {
 /// Compares all files that a command makes with those it makes at every limit.
 #[track_caller]
 fn same(folder: &Folder, words: &str) {
+    same_as_placed(folder, words);
+    if !words.contains("--placement") {
+        same_as_placed(folder, &format!("{words} --placement linear")); // with a window of fewer slices
+    }
+}
+
+#[track_caller]
+fn same_as_placed(folder: &Folder, words: &str) {
     let before = folder.names();
     let made = || {
         let names = folder.names().into_iter().filter(|name| !before.contains(name));

@@ -7,7 +7,7 @@
 use isokit::{
     job::{Job, Threads},
     lanes::prefer_large_pages,
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, Placement, Topology},
+    marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
     mesh::{Positions, Precision, TriMesh},
     pipeline::{Normals, Scan, SurfaceOptions},
     refine::{RefineOptions, Subdivision},
@@ -43,6 +43,8 @@ struct Making {
     threads: usize,
     placement: PlacementName,
     topology: TopologyName,
+    /// Whether normals are of the placement's order.
+    matching: bool,
     /// Whether vertices may lie on samples.
     exact: bool,
     /// Whether positions are kept as f64.
@@ -134,7 +136,7 @@ impl State {
         let (scan, job) = (self.scan.as_ref().ok_or("nothing is loaded")?, &self.job.1);
         let (surface, refining) = (surface(making), refining(making)?);
         let start = Instant::now();
-        let mut mesh = scan.mesh(self.iso, &surface, job)?;
+        let mut mesh = scan.mesh(self.iso, &surface.before(&refining), job)?;
         scan.refine(self.iso, &mut mesh, (&refining, &surface), job)?;
         let seconds = start.elapsed().as_secs_f64();
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
@@ -155,7 +157,8 @@ fn surface(making: &Making) -> SurfaceOptions {
     let degenerate = if making.exact { Degenerate::Exact } else { Degenerate::default() };
     let precision = if making.double { Precision::F64 } else { Precision::F32 };
     let extract = ExtractOptions::DEFAULT.with_boundary(Boundary::Open).with_nan(Nan::Outside);
-    let extract = extract.with_placement(placement).with_topology(topology);
+    let gradient = if making.matching { Gradient::Matching } else { Gradient::Central };
+    let extract = extract.with_placement(placement).with_gradient(gradient).with_topology(topology);
     let extract = extract.with_degenerate(degenerate).with_precision(Some(precision));
     SurfaceOptions::default().with_extract(extract).with_normals(Normals::Gradient)
 }

@@ -11,7 +11,7 @@
 //! vanishes or is too large or small to square, are called odd, and the caller places them one by one.
 //! A batch takes edges of any axis and row, so that none runs half empty on a sparse surface.
 //!
-//! `curves.rs` places vertices on cubics and quintics, with normals of a high order.
+//! `curves.rs` places vertices on cubics and quintics, with the same normals or such of a higher order.
 
 mod around;
 mod curves;
@@ -23,7 +23,7 @@ mod slopes;
 mod tests;
 mod wide;
 
-pub use curves::{Curve, OneByOne, curved_vertices};
+pub use curves::{Curve, OneByOne, Slopes, curved_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;

@@ -8,7 +8,7 @@
 
 use gungraun::{library_benchmark, library_benchmark_group, main};
 use isokit_job::Job;
-use isokit_marching_cubes::{Boundary, ExtractOptions, Topology, extract_into};
+use isokit_marching_cubes::{Boundary, ExtractOptions, Placement, Topology, extract_into};
 use isokit_mesh::{Counts, TriMesh};
 use isokit_volume::{Grid, Volume};
 use rayon::ThreadPoolBuilder;
@@ -37,7 +37,8 @@ fn prepared(value: fn([f32; 3]) -> f32) -> Work {
 }
 
 fn extracted(work: &mut Work) -> Counts {
-    let options = ExtractOptions::DEFAULT.with_topology(Topology::Table);
+    let options =
+        ExtractOptions::DEFAULT.with_topology(Topology::Table).with_placement(Placement::Linear);
     let options = options.with_boundary(Boundary::Open);
     let view = work.volume.view();
     let done = extract_into(&view, 0.0, &options, &mut work.mesh.refill(), &Job::default());

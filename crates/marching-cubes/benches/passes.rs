@@ -5,7 +5,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_job::{Job, Threads};
-use isokit_marching_cubes::{Boundary, ExtractOptions, Topology, count, extract_into};
+use isokit_marching_cubes::{Boundary, ExtractOptions, Placement, Topology, count, extract_into};
 use isokit_mesh::TriMesh;
 use isokit_volume::{Grid, Volume};
 use std::{f64::consts::PI, hint::black_box, num::NonZeroUsize};
@@ -38,7 +38,8 @@ fn sampled(n: usize, value: impl Fn([f64; 3]) -> f64) -> Volume<f32> {
 fn passes(criterion: &mut Criterion) {
     let one = Threads::new(NonZeroUsize::MIN).expect("a thread");
     let job = Job { threads: one, ..Job::default() };
-    let options = ExtractOptions::DEFAULT.with_topology(Topology::Table);
+    let options =
+        ExtractOptions::DEFAULT.with_topology(Topology::Table).with_placement(Placement::Linear);
     let options = options.with_boundary(Boundary::Open);
     for (name, make) in [("sphere", sphere as fn(usize) -> _), ("gyroid", gyroid)] {
         let mut group = criterion.benchmark_group(name);

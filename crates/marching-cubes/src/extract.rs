@@ -127,7 +127,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             job.limits.probe("surface", bytes, 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
-                let placer = Placer::new(*view, iso, margin, 0.0).with_placement(options.placement);
+                let placer = Placer::new(*view, iso, margin, 0.0).with_options(options);
                 let winding = Winding::of(view.frame());
                 let fill = Fill { planes: &planes, layout, placer, values, winding };
                 let slices = filled..planes.lattice.points[2];
@@ -167,7 +167,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         },
         values: Values::new(*view, iso, lattice.guard).at_hand(),
         decides: options.topology == Topology::Trilinear,
-        placer: Placer::new(*view, iso, margin, 0.0).with_placement(options.placement),
+        placer: Placer::new(*view, iso, margin, 0.0).with_options(options),
         winding: Winding::of(view.frame()),
     };
     let mut likely = sweep.likely((precision, sink.wants_normals()), job);

@@ -180,7 +180,7 @@ impl Making<'_> {
         }
         let first_slice = window.first() as f64;
         let placer = Placer::new(view, surface.iso, self.precision.1, first_slice)
-            .with_placement(self.slabs.options.placement);
+            .with_options(self.slabs.options);
         let winding = Winding::of(view.frame());
         let fill = Fill { planes, layout: &layout, placer, values, winding };
         let mut slices = part.slices;

@@ -7,12 +7,13 @@
 //!
 //! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge
 //! (`curved`), and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
-//! that of linear interpolation. Normals of the same order need no more than finite samples.
+//! that of linear interpolation. Normals are made from central differences at both ends of the edge, or, of
+//! [`Gradient::Matching`], from those of the curve's order, which need no more than finite samples.
 
 mod curve;
 mod curved;
 
-use crate::Placement;
+use crate::{ExtractOptions, Gradient, Placement};
 use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
 use isokit_volume::{Sample, View, differences};
 
@@ -39,6 +40,7 @@ pub(crate) struct Placer<'a, T> {
     samples: Option<Samples<'a, T>>,
     field: Field,
     placement: Placement,
+    gradient: Gradient,
 }
 
 impl<'a, T: Sample> Placer<'a, T> {
@@ -56,12 +58,14 @@ impl<'a, T: Sample> Placer<'a, T> {
             first_slice,
             covectors: affine.covector_columns(),
         };
-        Self { samples: view.samples(), view, field, placement: Placement::Linear }
+        let (placement, gradient) = (Placement::Linear, Gradient::Central);
+        Self { samples: view.samples(), view, field, placement, gradient }
     }
 
-    /// The same with another placement.
-    pub(crate) fn with_placement(self, placement: Placement) -> Self {
-        Self { placement, ..self }
+    /// The same with the placement and the gradient of `options`.
+    pub(crate) fn with_options(self, options: &ExtractOptions) -> Self {
+        let ExtractOptions { placement, gradient, .. } = *options;
+        Self { placement, gradient, ..self }
     }
 
     /// Places the vertices of edges. Edges between samples go to the kernel of the placement, if it has one;

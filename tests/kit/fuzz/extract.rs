@@ -6,8 +6,8 @@ use isokit::{
     geom::{Affine, Frame},
     job::Job,
     marching_cubes::{
-        Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, Topology, count,
-        extract as surface,
+        Boundary, Degenerate, ExtractError, ExtractOptions, Gradient, Nan, Placement, Topology,
+        count, extract as surface,
     },
     volume::{Dtype, Grid, Sample, View, Volume},
 };
@@ -45,6 +45,7 @@ fn options(bytes: &mut Bytes<'_>) -> ExtractOptions {
         .with_boundary(bytes.pick(&[Boundary::Closed, Boundary::Open]))
         .with_topology(bytes.pick(&[Topology::Table, Topology::Trilinear]))
         .with_placement(bytes.pick(&[Placement::Linear, Placement::Cubic, Placement::Quintic]))
+        .with_gradient(bytes.pick(&[Gradient::Central, Gradient::Matching]))
         .with_degenerate(bytes.pick(&[Degenerate::Never, Degenerate::Exact]))
         .with_nan(bytes.pick(&[Nan::Outside, Nan::Mask, Nan::Error]))
 }

@@ -1,12 +1,13 @@
 //! How a mesh is to be made.
 
-use isokit_marching_cubes::ExtractOptions;
+use isokit_marching_cubes::{ExtractOptions, Gradient};
 use isokit_refine::RefineOptions;
 
 /// Which normals the vertices get.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normals {
     /// Those of the field: the direction in which the samples fall. Smooth where the field is.
+    /// [`ExtractOptions::gradient`] says how exact they are.
     #[default]
     Gradient,
     /// Those of the triangles around a vertex, weighted by area.
@@ -38,10 +39,17 @@ impl SurfaceOptions {
     }
 
     /// The options for a surface that [`Scan::refine`](crate::pipeline::Scan::refine) then gets, with these:
-    /// where it is balanced, with gradient normals, along which its vertices are moved. So positions do not
-    /// depend on which normals are wanted in the end.
+    /// where that does anything, with [`Gradient::Matching`], as exact as the normals of new vertices are, and
+    /// where it is balanced, with gradient normals in any case, along which its vertices are moved. So
+    /// positions do not depend on which normals are wanted in the end.
     pub fn before(&self, refine: &RefineOptions) -> Self {
-        let normals = if refine.balance { Normals::Gradient } else { self.normals };
-        self.clone().with_normals(normals)
+        let mut options = self.clone();
+        if !refine.do_nothing() {
+            options.extract.gradient = Gradient::Matching;
+        }
+        if refine.balance {
+            options.normals = Normals::Gradient;
+        }
+        options
     }
 }

@@ -13,7 +13,7 @@ use super::{
     Field, Kernel, Vertices,
     around::Batch,
     roots::{Roots, Search},
-    slopes::Turning,
+    slopes::{Leaning, Turning},
     wide::{BATCH, Mask, Task, Wide, run_at},
 };
 use crate::{Coordinate, Edges, Lane, Level, Samples};
@@ -43,6 +43,15 @@ impl Curve {
     }
 }
 
+/// What the normals at curves are made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slopes {
+    /// Differences over two steps at the ends of the edge, as [`vertices`](super::vertices) takes them.
+    Central,
+    /// Those of the order of the curve.
+    Matching,
+}
+
 /// The most samples on a line.
 const MOST: usize = 6;
 
@@ -57,25 +66,25 @@ pub trait OneByOne {
 }
 
 /// Places vertices where the curve of an edge has the isovalue; where the curve rings, where the straight line
-/// has it. Normals are those of differences of order four or six.
+/// has it.
 ///
 /// # Panics
 ///
 /// If `out` has not room for exactly one vertex per edge.
 pub fn curved_vertices<T: Lane, C: Coordinate>(
     (samples, field): (&Samples<'_, T>, &Field),
-    curve: Curve,
+    made: (Curve, Slopes),
     edges: &Edges,
     one_by_one: &dyn OneByOne,
     out: Vertices<'_, C>,
 ) {
-    curved_vertices_at(Level::current(), (samples, field), curve, edges, one_by_one, out);
+    curved_vertices_at(Level::current(), (samples, field), made, edges, one_by_one, out);
 }
 
 fn curved_vertices_at<T: Lane, C: Coordinate>(
     level: Level,
     (samples, field): (&Samples<'_, T>, &Field),
-    curve: Curve,
+    (curve, slopes): (Curve, Slopes),
     edges: &Edges,
     one_by_one: &dyn OneByOne,
     Vertices { positions, mut normals, odd }: Vertices<'_, C>,
@@ -84,7 +93,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
     if let Some(normals) = &normals {
         assert_eq!(normals.len(), edges.len(), "room for every normal");
     }
-    let kernel = Kernel { samples, field, directions: [[0.0; 3]; 3], edges };
+    let kernel = Kernel { samples, field, directions: field.directions(), edges };
     let pairs = curve.pairs();
     let mut lines = [const { Line::DEFAULT }; TURN];
     let mut searches = [const { Search::DEFAULT }; TURN];
@@ -116,7 +125,14 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
         let kernel = &kernel;
-        run_at(level, Turning { kernel, first, pairs, lines, normals, left: &mut left });
+        match slopes {
+            Slopes::Central => {
+                run_at(level, Leaning { kernel, first, lines, normals, left: &mut left })
+            }
+            Slopes::Matching => {
+                run_at(level, Turning { kernel, first, pairs, lines, normals, left: &mut left });
+            }
+        }
         for (number, line) in lines.iter().enumerate() {
             let at = number * BATCH;
             for n in set_bits(left[number] & !line.is_odd, count - at) {

@@ -1,6 +1,6 @@
-//! Normals from differences of a high order, 16 edges at a time.
+//! Normals on curves, 16 edges at a time: from central differences, or from those of the curve's order.
 //!
-//! `vertex/curved.rs` of `marching-cubes` has the definition, for one edge, with the same operations in the same
+//! Central ones are made as on straight lines (`vertices.rs`). Of the others `vertex/curved.rs` of `marching-cubes` has the definition, for one edge, with the same operations in the same
 //! order, so that the bits are the same. Each part of the gradient is a sum of differences over two steps, four and
 //! so on, at the samples around the edge on its line: for the part along the edge between samples that they share,
 //! for those across between samples beside it. Differences are made in the type that holds samples exactly, and are
@@ -26,6 +26,33 @@ const SLOPES: [[[f64; MOST]; MOST]; 2] = [
     [[6.0, 0.0, 0.0], [2.0, -1.0, 0.0], [0.0; MOST]],
     [[30.0, 0.0, 0.0], [10.0, -5.0, 0.0], [5.0, -4.0, 1.0]],
 ];
+
+/// Makes the normals of the batches from edge `first` on, where their lines are crossed, from differences over two
+/// steps at both ends of each edge. Those that are no unit vector are left.
+pub(super) struct Leaning<'l, 'b, 'a, T> {
+    pub(super) kernel: &'l Kernel<'b, 'a, T>,
+    pub(super) first: usize,
+    pub(super) lines: &'l [Line],
+    pub(super) normals: &'l mut [[f32; 3]],
+    /// The bits of those that are left, by batches.
+    pub(super) left: &'l mut [u16],
+}
+
+impl<T: Lane> Task for Leaning<'_, '_, '_, T> {
+    #[inline(always)]
+    fn run<W: Wide>(self, wide: W) {
+        let Self { kernel, first, lines, normals, left } = self;
+        let mut directions = [[0.0; 3]; BATCH];
+        for (number, normals) in normals.chunks_mut(BATCH).enumerate() {
+            let batch = kernel.ends(wide, first + number * BATCH);
+            let around = kernel.around(wide, &batch, true);
+            let share = wide.f64_to_f32(wide.f64(0.5) + wide.load_f64(&lines[number].delta));
+            left[number] = kernel.write_normals(wide, around.differences, share, &mut directions);
+            // The last batch may have less room than it has numbers.
+            normals.copy_from_slice(&directions[..normals.len()]);
+        }
+    }
+}
 
 /// Makes the normals of the batches from edge `first` on, where their lines are crossed. Those of edges so near
 /// to the border that a slope is one-sided are left, and those that are no unit vector.

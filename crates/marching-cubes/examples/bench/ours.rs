@@ -3,7 +3,9 @@
 use crate::{
     Contender, Failure,
     memory::{copy, fill, forget_the_most, in_use, read},
-    protocol::{Answer, Boundary, Extract, Load, Nan, Placement, Request, Topology, timed},
+    protocol::{
+        Answer, Boundary, Extract, Gradient, Load, Nan, Placement, Request, Topology, timed,
+    },
 };
 use isokit_job::{Job, Threads};
 use isokit_lanes::{Level, Thresholds, signs_of_many, words};
@@ -204,7 +206,11 @@ fn options(request: &Extract) -> ExtractOptions {
         Topology::Trilinear => mc::Topology::Trilinear,
     };
     let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan);
-    options.with_placement(placement).with_topology(topology)
+    let gradient = match request.gradient {
+        Gradient::Central => mc::Gradient::Central,
+        Gradient::Matching => mc::Gradient::Matching,
+    };
+    options.with_placement(placement).with_gradient(gradient).with_topology(topology)
 }
 
 fn counted(answer: Answer, Counts { vertices, triangles }: Counts) -> Answer {

@@ -63,6 +63,8 @@ pub(crate) struct Extract {
     #[serde(default)]
     pub(crate) placement: Placement,
     #[serde(default)]
+    pub(crate) gradient: Gradient,
+    #[serde(default)]
     pub(crate) topology: Topology,
     /// Whether the bricks are known; they are made off the clock.
     #[serde(default)]
@@ -95,6 +97,15 @@ pub(crate) enum Placement {
     Linear,
     Cubic,
     Quintic,
+}
+
+/// What normals are made from.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Gradient {
+    #[default]
+    Central,
+    Matching,
 }
 
 /// What the surface connects where the signs leave it open.

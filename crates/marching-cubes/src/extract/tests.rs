@@ -1,7 +1,9 @@
 //! The surface against its definition, cell by cell and edge by edge, with a map for the numbers.
 
 use super::{count, extract};
-use crate::{Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Topology, case::TRIANGLES};
+use crate::{
+    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, Topology, case::TRIANGLES,
+};
 use isokit_geom::{Affine, Frame, cube::Edge};
 use isokit_job::{Job, Limits, Stopped};
 use isokit_mesh::{Counts, Positions, Precision};
@@ -74,7 +76,8 @@ impl<T: Sample> Definition<'_, T> {
 }
 
 /// The surfaces that are defined here.
-const TABLE: ExtractOptions = ExtractOptions::DEFAULT.with_topology(Topology::Table);
+const TABLE: ExtractOptions =
+    ExtractOptions::DEFAULT.with_topology(Topology::Table).with_placement(Placement::Linear);
 
 #[track_caller]
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) {

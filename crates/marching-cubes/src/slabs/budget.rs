@@ -107,8 +107,13 @@ mod tests {
     #[test]
     fn window_and_pieces_stay_within_the_budget() {
         let grid = Grid::new([700, 500, 300], Default::default()).unwrap();
-        for (topology, least) in [(Topology::Table, 10), (Topology::Trilinear, 40)] {
-            let options = &ExtractOptions::DEFAULT.with_topology(topology);
+        for (topology, placement, least) in [
+            (Topology::Table, Placement::Linear, 10),
+            (Topology::Trilinear, Placement::Linear, 40),
+            (Topology::Trilinear, Placement::Quintic, 110),
+        ] {
+            let options = ExtractOptions::DEFAULT.with_placement(placement);
+            let options = &options.with_topology(topology);
             let per_slice = bytes_per_slice(&grid, Dtype::F32, 2, options).unwrap();
             for bytes in (least..1000).map(|n| n << 20) {
                 let budget = Budget::within(bytes, (&grid, Dtype::F32), (2, 1), options).unwrap();

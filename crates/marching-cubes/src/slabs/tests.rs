@@ -2,8 +2,8 @@
 
 use super::{Budget, Making, Slabs, Surface, Window, extract_slabs, precision};
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Extracted, Nan, Placement, SlabError,
-    Topology, extract, extract_into,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Extracted, Gradient, Nan, Placement,
+    SlabError, Topology, extract, extract_into,
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Stopped};
@@ -120,7 +120,9 @@ proptest! {
     fn for_every_height_of_the_window_the_pieces_are_the_surface(
         dims in [1_u64..20, 1_u64..12, 1_u64..30],
         kind in 0..8, seed in any::<u64>(), options in options(), frame in frame(),
+        gradient in prop_oneof![Just(Gradient::Central), Just(Gradient::Matching)],
     ) {
+        let options = options.with_gradient(gradient);
         let grid = Grid::new(dims, frame).unwrap();
         let isos = [2.0, 3.25]; // the stored samples 2 and 4.5
         match kind {

@@ -1,8 +1,8 @@
 //! The sweep against the passes, which several isovalues at once go through.
 
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, Topology, extract,
-    extract_into, extract_many,
+    Boundary, Degenerate, ExtractError, ExtractOptions, Gradient, Nan, Placement, Topology,
+    extract, extract_into, extract_many,
 };
 use isokit_geom::Frame;
 use isokit_job::{Job, Limits, Stopped, Threads};
@@ -72,11 +72,16 @@ fn all_options() -> Vec<ExtractOptions> {
     let mut all = vec![];
     for boundary in [Boundary::Closed, Boundary::Open] {
         for topology in [Topology::Table, Topology::Trilinear] {
-            for placement in [Placement::Linear, Placement::Cubic, Placement::Quintic] {
+            for (placement, gradient) in [
+                (Placement::Linear, Gradient::Central),
+                (Placement::Cubic, Gradient::Matching),
+                (Placement::Quintic, Gradient::Central),
+                (Placement::Quintic, Gradient::Matching),
+            ] {
                 for degenerate in [Degenerate::Never, Degenerate::Exact] {
                     let options = ExtractOptions::DEFAULT.with_boundary(boundary);
                     let options = options.with_topology(topology).with_placement(placement);
-                    all.push(options.with_degenerate(degenerate));
+                    all.push(options.with_gradient(gradient).with_degenerate(degenerate));
                 }
             }
         }
@@ -280,7 +285,7 @@ proptest! {
         seed in any::<u64>(),
         held in (0..4000_usize, 0..8000_usize),
         threads in 1..4_usize,
-        option in 0..24_usize,
+        option in 0..32_usize,
     ) {
         let volume = volume(dims, |n| (chance(n ^ seed) % values) as u16);
         let (view, iso, options) = (volume.view(), values as f64 / 2.0, &all_options()[option]);

@@ -1,8 +1,8 @@
-//! Vertices on polynomials, and normals of as high an order.
+//! Vertices on polynomials, and normals of as high an order where they are asked for.
 
 use super::{Cut, Placer, curve::crossing, delta};
-use crate::Placement;
-use isokit_lanes::{Coordinate, Curve, Edges, OneByOne, Vertices, curved_vertices};
+use crate::{Gradient, Placement};
+use isokit_lanes::{Coordinate, Curve, Edges, OneByOne, Slopes, Vertices, curved_vertices};
 use isokit_volume::{Dtype, Sample, line};
 
 /// The most samples on one line that a place depends on.
@@ -21,12 +21,16 @@ impl<T: Sample> Placer<'_, T> {
             Placement::Quintic => Curve::Quintic,
             _ => Curve::Cubic,
         };
+        let slopes = match self.gradient {
+            Gradient::Central => Slopes::Central,
+            Gradient::Matching => Slopes::Matching,
+        };
         match &self.samples {
             Some(samples) => {
                 let normals = normals.as_deref_mut();
                 let out = Vertices { positions: &mut *positions, normals, odd: &mut *odd };
                 let one_by_one = OfEdges { placer: self, edges };
-                curved_vertices((samples, &self.field), curve, edges, &one_by_one, out);
+                curved_vertices((samples, &self.field), (curve, slopes), edges, &one_by_one, out);
             }
             None => odd.extend(0..edges.len() as u32),
         }
@@ -59,11 +63,13 @@ impl<T: Sample> Placer<'_, T> {
         });
     }
 
-    /// The unit normal at a cut of a curve; where its samples tell none, that of a straight line.
+    /// The unit normal at a cut of a curve: from central differences if that is asked for, or where the samples tell
+    /// none of the curve's order.
     pub(super) fn normal_on_curve(&self, cut: &Cut) -> [f32; 3] {
-        let curved = match self.placement {
-            Placement::Quintic => self.curved_normal::<3>(cut),
-            _ => self.curved_normal::<2>(cut),
+        let curved = match (self.gradient, self.placement) {
+            (Gradient::Central, _) => None,
+            (Gradient::Matching, Placement::Quintic) => self.curved_normal::<3>(cut),
+            (Gradient::Matching, _) => self.curved_normal::<2>(cut),
         };
         curved.unwrap_or_else(|| self.normal(cut))
     }

@@ -1,7 +1,7 @@
 //! Places and normals on single edges.
 
 use super::{Cut, Placer, delta, greatest};
-use crate::Placement;
+use crate::{ExtractOptions, Gradient, Placement};
 use isokit_geom::{Affine, Frame};
 use isokit_lanes::{Edges, Word};
 use isokit_volume::{Grid, Volume, gradient};
@@ -154,7 +154,9 @@ fn normals_on_curves_are_exact_for_polynomials_of_their_degree_up_to_the_border(
         };
         let grid = Grid::new(size, Frame::default()).unwrap();
         let volume = Volume::new(grid, (0..720).map(value).collect::<Vec<f64>>()).unwrap();
-        let placer = Placer::new(volume.view(), 0.0, 0.0, 0.0).with_placement(placement);
+        let options = ExtractOptions::DEFAULT.with_placement(placement);
+        let placer = Placer::new(volume.view(), 0.0, 0.0, 0.0)
+            .with_options(&options.with_gradient(Gradient::Matching));
         for (axis, n) in (0..3).flat_map(|axis| (0..720).map(move |n| (axis, n))) {
             let low = [n % 8, n / 8 % 9, n / 72];
             if low[axis] as u64 + 1 == size[axis] {

@@ -6,7 +6,7 @@ use crate::pipeline::{
 };
 use isokit_geom::{Affine, Frame, Space};
 use isokit_job::Job;
-use isokit_marching_cubes::{Boundary, ExtractError, ExtractOptions, Nan};
+use isokit_marching_cubes::{Boundary, ExtractError, ExtractOptions, Nan, Placement};
 use isokit_mesh::TriMesh;
 use isokit_volume::{Grid, Volume};
 use std::slice;
@@ -112,10 +112,32 @@ fn a_part_leaves_the_surface_where_it_was() {
         let whole = dot([2, 2, 2]).placed(space).unwrap();
         let part = whole.clone().cropped(&region).unwrap();
         assert!(part.is_cropped() && !whole.is_cropped());
-        let [whole, part] = [whole, part].map(|scan| mesh(&scan, &open()));
+        let extract = open().extract.with_placement(Placement::Linear);
+        let linear = open().with_extract(extract);
+        let [whole, part] = [whole, part].map(|scan| mesh(&scan, &linear));
         assert_eq!(part.bounds(), whole.bounds(), "{space:?}");
         assert_eq!(part.counts(), whole.counts(), "{space:?}");
     }
+}
+
+#[test]
+fn where_the_samples_around_an_edge_are_in_a_part_it_leaves_the_vertex_where_it_was() {
+    const N: usize = 20;
+    let grid = Grid::new([N as u64; 3], Frame::default()).unwrap();
+    let wave = |n: usize| [n % N, n / N % N, n / N / N].map(|i| (0.7 * i as f32).sin());
+    let samples = (0..N.pow(3)).map(|n| wave(n).iter().sum::<f32>()).collect();
+    let whole = Scan::new(Volume::new(grid, samples).unwrap());
+    let part = whole.clone().cropped(&Region::parse_samples("4:16,3:17,5:18").unwrap()).unwrap();
+    let places = |scan: &Scan| -> Vec<[f64; 3]> {
+        let inner = [6.0..13.0, 5.0..14.0, 7.0..15.0];
+        let is_inner = |place: &[f64; 3]| inner.iter().zip(place).all(|(i, c)| i.contains(c));
+        mesh(scan, &open()).positions.iter().filter(is_inner).collect()
+    };
+    let (part, whole) = (places(&part), places(&whole));
+    assert!(part.len() == whole.len() && part.len() > 150, "{} of {}", part.len(), whole.len());
+    // The place, a sum with the sample's number, may round differently.
+    let off = part.iter().flatten().zip(whole.iter().flatten()).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) <= 2e-6);
 }
 
 #[test]

@@ -1,13 +1,16 @@
 //! Vertices on curves against those on straight lines: the same triangles, on the same edges.
 
 use super::{all_options, chance};
-use crate::{Degenerate, ExtractOptions, Placement, extract};
+use crate::{Degenerate, ExtractOptions, Gradient, Placement, extract};
 use isokit_geom::Frame;
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
 use isokit_volume::{Bricks, Grid, Sample, Volume};
 
 const CURVED: [Placement; 2] = [Placement::Cubic, Placement::Quintic];
+
+/// With normals from as many samples.
+const MATCHING: ExtractOptions = ExtractOptions::DEFAULT.with_gradient(Gradient::Matching);
 
 fn mesh<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> TriMesh {
     extract(&volume.view(), iso, options, &Job::default()).unwrap()
@@ -22,10 +25,13 @@ fn made<T: Sample>(dims: [u64; 3], mut sample: impl FnMut([u64; 3]) -> T) -> Vol
 /// Asserts that nothing but places along edges and normals differs; gives how many places do.
 #[track_caller]
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> usize {
-    let linear = mesh(volume, iso, options);
+    let linear = mesh(volume, iso, &options.clone().with_placement(Placement::Linear));
     let mut moved = 0;
     for placement in CURVED {
-        let found = mesh(volume, iso, &options.clone().with_placement(placement));
+        let options = options.clone().with_placement(placement);
+        let found = mesh(volume, iso, &options);
+        let matching = mesh(volume, iso, &options.with_gradient(Gradient::Matching));
+        assert!(matching.positions == found.positions && matching.triangles == found.triangles);
         assert_eq!(found.triangles, linear.triangles);
         for (found, linear) in found.positions.iter().zip(linear.positions.iter()) {
             let off: Vec<usize> = (0..3).filter(|&axis| found[axis] != linear[axis]).collect();
@@ -39,7 +45,7 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> u
                 continue;
             };
         }
-        for normal in found.normals.unwrap() {
+        for normal in found.normals.unwrap().into_iter().chain(matching.normals.unwrap()) {
             let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
             assert!((length - 1.0).abs() < 1e-6, "{normal:?}");
         }
@@ -120,13 +126,13 @@ fn every_type_of_sample_gives_the_same_bytes() {
     fn same<T: Sample>(sample: impl Fn(f64) -> T, expected: &[TriMesh]) {
         let volume = made([14, 13, 12], |ijk| sample(ball(ijk)));
         for (placement, expected) in CURVED.into_iter().zip(expected) {
-            let options = ExtractOptions::DEFAULT.with_placement(placement);
+            let options = MATCHING.with_placement(placement);
             assert!(mesh(&volume, 40.25, &options) == *expected, "{placement:?}");
         }
     }
     let doubles = made([14, 13, 12], ball);
-    let expected = CURVED
-        .map(|placement| mesh(&doubles, 40.25, &ExtractOptions::DEFAULT.with_placement(placement)));
+    let expected =
+        CURVED.map(|placement| mesh(&doubles, 40.25, &MATCHING.with_placement(placement)));
     assert!(check(&doubles, 40.25, &ExtractOptions::DEFAULT) > 500);
     same(|value| value as u8, &expected);
     same(|value| value as i8, &expected);
@@ -141,7 +147,7 @@ fn every_type_of_sample_gives_the_same_bytes() {
 fn bricks_change_nothing() {
     let volume = made([70, 13, 12], |[i, j, k]| ball([i % 14, j, k]) as u8);
     for placement in CURVED {
-        let options = ExtractOptions::DEFAULT.with_placement(placement);
+        let options = MATCHING.with_placement(placement);
         let (view, job) = (volume.view(), Job::default());
         let bricks = Bricks::of(&view, &job).unwrap();
         let source = crate::Source::with_bricks(&view, &bricks).unwrap();
@@ -155,7 +161,7 @@ fn bricks_change_nothing() {
 
 #[test]
 fn a_missing_sample_matters_to_those_that_need_it_only() {
-    let options = ExtractOptions::DEFAULT.with_degenerate(Degenerate::Exact);
+    let options = MATCHING.with_degenerate(Degenerate::Exact);
     let whole = made([30, 13, 12], ball);
     for x in [10, 12, 25] {
         let hole = made([30, 13, 12], |ijk| if ijk == [x, 7, 6] { f64::NAN } else { ball(ijk) });

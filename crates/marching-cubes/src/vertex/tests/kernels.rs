@@ -1,7 +1,6 @@
 //! Vertices on curves, sixteen at a time against one by one.
 
-use crate::Placement;
-use crate::vertex::Placer;
+use crate::{ExtractOptions, Gradient, Placement, vertex::Placer};
 use isokit_geom::{Affine, Frame};
 use isokit_lanes::{Edges, Word};
 use isokit_volume::{Grid, Sample, Scaling, Volume};
@@ -36,7 +35,7 @@ fn volume<T: Sample>(sample: impl FnMut(usize) -> T) -> Volume<T> {
     Volume::new(grid, (0..N * N * N).map(sample).collect::<Vec<T>>()).unwrap()
 }
 
-/// Cut edges that are placed, those of them that the curve moved, and those with a normal from it.
+/// Cut edges that are placed, those of them that the curve moved, and those whose matching normal is another.
 #[derive(Debug, Default)]
 struct Seen {
     placed: usize,
@@ -47,8 +46,10 @@ struct Seen {
 /// Asserts that rows of edges along all axes, up to the border, are placed as one by one.
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen {
     let mut seen = Seen::default();
-    for margin in [0.0, 0.01] {
-        let placer = Placer::new(volume.view(), iso, margin, 2.0).with_placement(placement);
+    let ways = [(0.0, Gradient::Matching), (0.01, Gradient::Matching), (0.01, Gradient::Central)];
+    for (margin, gradient) in ways {
+        let options = ExtractOptions::DEFAULT.with_placement(placement).with_gradient(gradient);
+        let placer = Placer::new(volume.view(), iso, margin, 2.0).with_options(&options);
         for (axis, yz) in (0..3).flat_map(|axis| (0..N as u32).map(move |yz| (axis, yz))) {
             let mut edges = Edges::default();
             // All slices, and all rows, those next to the border too.
