@@ -14,7 +14,7 @@ mod curve;
 mod curved;
 
 use crate::{ExtractOptions, Gradient, Placement};
-use isokit_lanes::{Coordinate, Edges, Field, Samples, Vertices, Word, vertices};
+use isokit_lanes::{Coordinate, Curve, Edges, Field, Samples, Vertices, Word, vertices};
 use isokit_volume::{Sample, View, differences};
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.
@@ -41,6 +41,8 @@ pub(crate) struct Placer<'a, T> {
     field: Field,
     placement: Placement,
     gradient: Gradient,
+    /// The unit normals where values fall along each axis, and where they rise.
+    along: [[[f32; 3]; 2]; 3],
 }
 
 impl<'a, T: Sample> Placer<'a, T> {
@@ -59,7 +61,17 @@ impl<'a, T: Sample> Placer<'a, T> {
             covectors: affine.covector_columns(),
         };
         let (placement, gradient) = (Placement::Linear, Gradient::Central);
-        Self { samples: view.samples(), view, field, placement, gradient }
+        let along = [[[0.0, 0.0, 1.0]; 2]; 3];
+        let mut placer = Self { samples: view.samples(), view, field, placement, gradient, along };
+        for (axis, both) in along.into_iter().enumerate() {
+            for (rises, stand_in) in both.into_iter().enumerate() {
+                let mut gradient = [0.0; 3];
+                gradient[axis] = [-1.0, 1.0][rises];
+                // An axis has a direction, since the frame can be inverted.
+                placer.along[axis][rises] = placer.outward(gradient).unwrap_or(stand_in);
+            }
+        }
+        placer
     }
 
     /// The same with the placement and the gradient of `options`.
@@ -74,41 +86,48 @@ impl<'a, T: Sample> Placer<'a, T> {
         &self,
         edges: &Edges,
         positions: &mut [[C; 3]],
-        normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<u32>,
-    ) {
-        odd.clear();
-        match self.placement {
-            Placement::Linear => self.place_straight(edges, positions, normals, odd),
-            Placement::Cubic | Placement::Quintic => {
-                self.place_curved(edges, positions, normals, odd);
-            }
-        }
-    }
-
-    fn place_straight<C: Coordinate>(
-        &self,
-        edges: &Edges,
-        positions: &mut [[C; 3]],
         mut normals: Option<&mut [[f32; 3]]>,
         odd: &mut Vec<u32>,
     ) {
+        odd.clear();
         match &self.samples {
             Some(samples) => {
                 let normals = normals.as_deref_mut();
                 let out = Vertices { positions: &mut *positions, normals, odd: &mut *odd };
-                vertices(samples, &self.field, edges, out);
+                match self.placement {
+                    Placement::Linear => vertices(samples, &self.field, edges, out),
+                    Placement::Cubic => self.place_curved(samples, Curve::Cubic, edges, out),
+                    Placement::Quintic => self.place_curved(samples, Curve::Quintic, edges, out),
+                }
             }
             None => odd.extend(0..edges.len() as u32),
         }
         for n in odd.iter().map(|&n| n as usize) {
             let (axis, low) = edges.get(n);
-            let cut = self.cut(axis, low);
+            if let Some((position, normal)) = self.cap(axis, low) {
+                positions[n] = position;
+                if let Some(normals) = &mut normals {
+                    normals[n] = normal;
+                }
+                continue;
+            }
+            let cut = self.cut_as_placed(axis, low);
             positions[n] = self.position(&cut);
             if let Some(normals) = &mut normals {
                 normals[n] = self.normal(&cut);
             }
         }
+    }
+
+    /// The vertex of an edge to a guard, and its normal, which leads to the guard. Many are: all of a cap.
+    fn cap<C: Coordinate>(&self, axis: usize, low: [u32; 3]) -> Option<([C; 3], [f32; 3])> {
+        let is_lower = low[axis] == u32::MAX;
+        if !is_lower && low[axis] as usize + 1 != self.view.dims()[axis] {
+            return None;
+        }
+        let delta = if is_lower { self.field.reach } else { -self.field.reach };
+        let position = self.position_on_edge(axis, self.ijk(low), delta);
+        Some((position, self.along[axis][usize::from(is_lower)]))
     }
 
     /// Says that samples around edges of `words`, where bit 0 of word 0 of row 0 is sample `first`, will
@@ -124,6 +143,7 @@ impl<'a, T: Sample> Placer<'a, T> {
     /// The cut of the edge along `axis` whose lower end is the sample `low`, or the guard before the
     /// first, whose number is one below 0 and wraps.
     fn cut(&self, axis: usize, low: [u32; 3]) -> Cut {
+        let place = self.ijk(low);
         // The guard stays beyond every size, and one above it is 0.
         let low = low.map(|i| i as i32 as isize as usize);
         let mut high = low;
@@ -132,47 +152,68 @@ impl<'a, T: Sample> Placer<'a, T> {
         let ends = [low, high].map(|ijk| (ijk[axis] < size).then_some(ijk));
         let values = ends.map(|end| end.map(|ijk| self.view.value(ijk)));
         let delta = delta(values, self.field.iso).clamp(-self.field.reach, self.field.reach);
-        let mut low = low.map(|i| i as isize as f64);
-        low[2] += self.field.first_slice;
-        Cut { axis, low, ends, values, delta }
+        Cut { axis, low: place, ends, values, delta }
+    }
+
+    /// The cut of that edge where the placement has it.
+    fn cut_as_placed(&self, axis: usize, low: [u32; 3]) -> Cut {
+        let straight = self.cut(axis, low);
+        match self.placement {
+            Placement::Linear => straight,
+            Placement::Cubic | Placement::Quintic => self.curved(&straight).unwrap_or(straight),
+        }
+    }
+
+    /// The sample `low` in index space, or the guard whose number wraps.
+    fn ijk(&self, low: [u32; 3]) -> [f64; 3] {
+        let mut ijk = low.map(|i| f64::from(i as i32));
+        ijk[2] += self.field.first_slice;
+        ijk
     }
 
     /// Where the edge along `axis` from `low` is crossed, in edge lengths from there. The ends are numbered
     /// as those of [`Edges`].
     pub(crate) fn crossing(&self, axis: usize, low: [u32; 3]) -> f64 {
-        let straight = self.cut(axis, low);
-        let cut = match self.placement {
-            Placement::Linear => straight,
-            Placement::Cubic | Placement::Quintic => self.curved(&straight).unwrap_or(straight),
-        };
-        0.5 + cut.delta
+        0.5 + self.cut_as_placed(axis, low).delta
     }
 
     /// A place in world space, in cell sizes from `low`, which may be a wrapped −1.
     pub(crate) fn position_in_cell<C: Coordinate>(&self, low: [u32; 3], place: [f64; 3]) -> [C; 3] {
-        let mut ijk = low.map(|i| f64::from(i as i32));
-        ijk[2] += self.field.first_slice;
+        let ijk = self.ijk(low);
         self.field.world(std::array::from_fn(|axis| ijk[axis] + place[axis])).map(C::round)
     }
 
     /// The position of a cut in world space.
     fn position<C: Coordinate>(&self, cut: &Cut) -> [C; 3] {
-        let mut ijk = cut.low;
-        ijk[cut.axis] = ijk[cut.axis] + 0.5 + cut.delta;
+        self.position_on_edge(cut.axis, cut.low, cut.delta)
+    }
+
+    /// The position so far from the middle of the edge along `axis` from `low` in index space.
+    fn position_on_edge<C: Coordinate>(&self, axis: usize, low: [f64; 3], delta: f64) -> [C; 3] {
+        let mut ijk = low;
+        ijk[axis] = ijk[axis] + 0.5 + delta;
         self.field.world(ijk).map(C::round)
     }
 
-    /// The unit normal at a cut: against the gradient, which is interpolated between the ends.
+    /// The unit normal at a cut: of the placement's order if that is asked for, and where the samples tell none,
+    /// from central differences.
+    fn normal(&self, cut: &Cut) -> [f32; 3] {
+        let matching = match (self.gradient, self.placement) {
+            (Gradient::Central, _) | (_, Placement::Linear) => None,
+            (Gradient::Matching, Placement::Cubic) => self.curved_normal::<2>(cut),
+            (Gradient::Matching, Placement::Quintic) => self.curved_normal::<3>(cut),
+        };
+        matching.unwrap_or_else(|| self.central_normal(cut))
+    }
+
+    /// The unit normal from central differences: against the gradient, which is interpolated between the ends.
     ///
     /// Where the samples tell no gradient, at a guard or where all differences cancel, the value is still
     /// known to fall along the edge, and that direction stands in.
-    fn normal(&self, cut: &Cut) -> [f32; 3] {
+    fn central_normal(&self, cut: &Cut) -> [f32; 3] {
         self.by_differences(cut).unwrap_or_else(|| {
-            let mut along = [0.0; 3];
             let falls = cut.values[0].is_some_and(|low| low >= self.field.iso);
-            along[cut.axis] = if falls { -1.0 } else { 1.0 };
-            // An axis has a direction, since the frame can be inverted.
-            self.outward(along).unwrap_or([0.0, 0.0, 1.0])
+            self.along[cut.axis][usize::from(!falls)]
         })
     }
 

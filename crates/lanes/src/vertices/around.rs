@@ -102,7 +102,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
             // SAFETY: those that are kept are inner ones, and samples are near, asked above.
             _ => unsafe { self.inner(wide, &batch.keeping(wide, is_inner), with_differences) },
         };
-        let others = !is_inner & batch.is_own;
+        let others = !is_inner & !batch.is_outside & batch.is_own;
         if others != 0 {
             self.put_in(wide, batch, others, with_differences, &mut around);
         }
@@ -180,8 +180,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         T::Exact::difference(wide, above, below)
     }
 
-    /// Puts in what is around some edges, one by one. Instead of one that lies outside the first sample is
-    /// looked at.
+    /// Puts in what is around some edges, one by one. None lies outside.
     #[inline(always)]
     fn put_in<W: Wide>(
         &self,
@@ -209,10 +208,9 @@ impl<T: Lane> Kernel<'_, '_, T> {
         while left != 0 {
             let n = left.trailing_zeros() as usize;
             left &= left - 1;
-            let is_outside = batch.is_outside >> n & 1 == 1;
             for end in 0..2 {
                 let [x, y, z] = &places[end];
-                let place = if is_outside { [0; 3] } else { [x[n], y[n], z[n]] };
+                let place = [x[n], y[n], z[n]];
                 samples[end][n] = self.sample(place);
                 for along in 0..if with_differences { 3 } else { 0 } {
                     let (mut above, mut below) = (place, place);

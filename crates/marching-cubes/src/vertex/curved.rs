@@ -1,48 +1,30 @@
 //! Vertices on polynomials, and normals of as high an order where they are asked for.
 
 use super::{Cut, Placer, curve::crossing, delta};
-use crate::{Gradient, Placement};
-use isokit_lanes::{Coordinate, Curve, Edges, OneByOne, Slopes, Vertices, curved_vertices};
+use crate::Gradient;
+use isokit_lanes::{
+    Coordinate, Curve, Edges, OneByOne, Samples, Slopes, Vertices, curved_vertices,
+};
 use isokit_volume::{Dtype, Sample, line};
 
 /// The most samples on one line that a place depends on.
 pub(super) const MOST: usize = 6;
 
 impl<T: Sample> Placer<'_, T> {
-    /// Places vertices on curves. A kernel does most; what it calls odd is done one by one.
+    /// Places vertices on curves, but for odd ones.
     pub(super) fn place_curved<C: Coordinate>(
         &self,
+        samples: &Samples<'_, T>,
+        curve: Curve,
         edges: &Edges,
-        positions: &mut [[C; 3]],
-        mut normals: Option<&mut [[f32; 3]]>,
-        odd: &mut Vec<u32>,
+        out: Vertices<'_, C>,
     ) {
-        let curve = match self.placement {
-            Placement::Quintic => Curve::Quintic,
-            _ => Curve::Cubic,
-        };
         let slopes = match self.gradient {
             Gradient::Central => Slopes::Central,
             Gradient::Matching => Slopes::Matching,
         };
-        match &self.samples {
-            Some(samples) => {
-                let normals = normals.as_deref_mut();
-                let out = Vertices { positions: &mut *positions, normals, odd: &mut *odd };
-                let one_by_one = OfEdges { placer: self, edges };
-                curved_vertices((samples, &self.field), (curve, slopes), edges, &one_by_one, out);
-            }
-            None => odd.extend(0..edges.len() as u32),
-        }
-        for n in odd.iter().map(|&n| n as usize) {
-            let (axis, low) = edges.get(n);
-            let straight = self.cut(axis, low);
-            let cut = self.curved(&straight).unwrap_or(straight);
-            positions[n] = self.position(&cut);
-            if let Some(normals) = &mut normals {
-                normals[n] = self.normal_on_curve(&cut);
-            }
-        }
+        let one_by_one = OfEdges { placer: self, edges };
+        curved_vertices((samples, &self.field), (curve, slopes), edges, &one_by_one, out);
     }
 
     /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.
@@ -63,20 +45,9 @@ impl<T: Sample> Placer<'_, T> {
         });
     }
 
-    /// The unit normal at a cut of a curve: from central differences if that is asked for, or where the samples tell
-    /// none of the curve's order.
-    pub(super) fn normal_on_curve(&self, cut: &Cut) -> [f32; 3] {
-        let curved = match (self.gradient, self.placement) {
-            (Gradient::Central, _) => None,
-            (Gradient::Matching, Placement::Quintic) => self.curved_normal::<3>(cut),
-            (Gradient::Matching, _) => self.curved_normal::<2>(cut),
-        };
-        curved.unwrap_or_else(|| self.normal(cut))
-    }
-
     /// The unit normal at a cut of a curve: against the gradient, whose parts are sums of differences to as high an
     /// order as the curve's ([`line::slope_weights`]). None where one is not finite or all are 0.
-    fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
+    pub(super) fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let (size, weights) = (self.view.dims()[axis], line::slope_weights::<PAIRS>(cut.delta));
         let after = ijk[axis] + 1;
@@ -144,7 +115,7 @@ impl<T: Sample> OneByOne for OfEdges<'_, '_, T> {
 
     fn normal(&self, edge: usize, delta: f64) -> [f32; 3] {
         let (axis, low) = self.edges.get(edge);
-        self.placer.normal_on_curve(&Cut { delta, ..self.placer.cut(axis, low) })
+        self.placer.normal(&Cut { delta, ..self.placer.cut(axis, low) })
     }
 }
 

@@ -74,11 +74,11 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen 
                 let one: [f64; 3] = placer.position(&cut);
                 assert_eq!(one.map(f64::to_bits), places[n].map(f64::to_bits), "{cut:?}");
                 assert_eq!(one.map(f64::to_bits), alone[n].map(f64::to_bits), "{cut:?}");
-                let normal = placer.normal_on_curve(&cut);
+                let normal = placer.normal(&cut);
                 assert_eq!(normal.map(f32::to_bits), normals[n].map(f32::to_bits), "{cut:?}");
                 seen.placed += 1;
                 seen.moved += usize::from(cut.delta != straight.delta);
-                seen.curved += usize::from(normal != placer.normal(&cut));
+                seen.curved += usize::from(normal != placer.central_normal(&cut));
             }
         }
     }
