@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from kit.bench_error_fields import CENTRE, FIELDS, Smooth, Sphere, length, unit
-from kit.bench_error_measure import CORNERS, WEIGHTS, errors, near, to_mesh, to_triangles
+from kit.bench_error_measure import CORNERS, WEIGHTS, errors, to_mesh, to_triangles
 from kit.bench_error_mesh import Mesh, from_arrays, topology
 from kit.bench_error_must import figures as promised
 from kit.bench_error_must import reach
@@ -99,7 +99,7 @@ def distances(tally: Tally) -> None:
     points = CENTRE + random.normal(0, 0.5, (200, 3))
     corners = [mesh.vertices[mesh.triangles[:, k]] for k in range(3)]
     every = [to_triangles(np.broadcast_to(p, corners[0].shape), *corners).min() for p in points]
-    apart = np.abs(np.array(every) - to_mesh(mesh, points, SPACING)).max()
+    apart = np.abs(np.array(every) - to_mesh(mesh, points)).max()
     tally.check("to the mesh", "near triangles are enough", apart < 1e-12, apart)
     # Needles around one corner of a large triangle: all vertices near that corner are theirs.
     turns = np.linspace(0.02, 0.5, 12)[:, None]
@@ -108,15 +108,8 @@ def distances(tally: Tally) -> None:
     needles = [[0, n, n + 1] for n in range(3, 14)]
     fan = Mesh(np.concatenate([large, tips]), np.array([[0, 2, 1], *needles]))
     above = np.concatenate([[[2e-3, -1e-4, 1e-5]], np.tile(tips[0], (20, 1))])
-    found = to_mesh(fan, above, SPACING)[0]
+    found = to_mesh(fan, above)[0]
     tally.check("to the mesh", "needles hide nothing", abs(found - 1e-5) < 1e-12, found)
-    square = ((points[:, None] - mesh.vertices[None]) ** 2).sum(axis=2)
-    found = near(mesh.vertices, points, SPACING, 4)
-    same = np.allclose(np.sort(square, axis=1)[:, :4], np.take_along_axis(square, found, axis=1))
-    tally.check("nearest vertices", "are those of all distances sorted", same)
-    for cell in (0.01, 3.0):
-        equal = np.array_equal(near(mesh.vertices, points, cell, 1), found[:, :1])
-        tally.check("nearest vertices", f"whatever the cubes, {cell}", equal)
     a, b, c = random.normal(size=(3, 50, 3))
     weight = random.dirichlet([1, 1, 1], (4000, 50))
     inside = np.einsum("kij,jic->kic", weight, np.stack([a, b, c]))

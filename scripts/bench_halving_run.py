@@ -78,8 +78,8 @@ def spread(mesh: Mesh, count: int) -> np.ndarray:
 
 def distances(half: Mesh, whole: Mesh) -> dict[str, float]:
     """Both ways, as one set of numbers."""
-    there = to_mesh(whole, spread(half, POINTS), 1 / SIZE)
-    back = to_mesh(half, spread(whole, POINTS), 2 / SIZE)
+    there = to_mesh(whole, spread(half, POINTS))
+    back = to_mesh(half, spread(whole, POINTS))
     both = SIZE * np.sort(np.concatenate([there, back]))
     return {
         "rms": float(rms(both)),

@@ -1,4 +1,4 @@
-"""How far a mesh is from the surface of a field, and the surface from the mesh. Needs numpy.
+"""How far a mesh is from the surface of a field, and back. Needs numpy and scipy.
 
 From the mesh: at vertices and at seven points in each triangle, weighted as for integrals of
 polynomials of degree 5 (Radon 1948). From the surface: points spread over it, each against the
@@ -6,7 +6,11 @@ triangles around the vertices nearest to it; that distance can only come out too
 where none of those triangles is the nearest. Lengths are in units of which the cube has two.
 """
 
+import os
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
+from scipy.spatial import cKDTree
 
 from kit.bench_error_fields import Field, Smooth, dot, length, unit
 from kit.bench_error_mesh import Mesh, topology
@@ -57,7 +61,7 @@ def errors(mesh: Mesh, field: Field, cloud: np.ndarray, spacing: float) -> dict:
     if mesh.normals is not None:
         angle = degrees(sign_of(mesh.normals[kept], normal) * mesh.normals[kept], normal)
         figures["vertex_angle"] = rms(angle)
-    back = to_mesh(mesh, cloud, spacing)
+    back = to_mesh(mesh, cloud)
     figures |= {
         "vertex_rms": rms(away),
         "forward_rms": np.sqrt(square),
@@ -96,14 +100,19 @@ def of_triangles(
 def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The nearest points of the surface, with normals; in doubt also from the cloud."""
     foot, normal = np.empty_like(points), np.empty_like(points)
-    for low in range(0, len(points), CHUNK):
+
+    def fill(low: int) -> None:
         part = slice(low, low + CHUNK)
         foot[part], normal[part] = field.nearest(points[part])
+
+    # numpy lets other threads go on while it works on arrays; nothing is timed meanwhile.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(fill, range(0, len(points), CHUNK)))
     if isinstance(field, Smooth):
         away = length(points - foot)
         doubtful = np.flatnonzero(~(away < DOUBTED))
         if len(doubtful):
-            start = cloud[near(cloud, points[doubtful], DOUBTED, 1)[:, 0]]
+            start = cloud[cKDTree(cloud).query(points[doubtful])[1]]
             other, other_normal = field.nearest_from(points[doubtful], start)
             better = ~(length(points[doubtful] - other) >= away[doubtful])
             foot[doubtful[better]] = other[better]
@@ -111,79 +120,49 @@ def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.nda
     return foot, normal
 
 
-def near(points: np.ndarray, queries: np.ndarray, cell: float, count: int) -> np.ndarray:
-    """For each query the `count` nearest points, by cubes of side `cell`, doubled if too small."""
-    count = min(count, len(points))
-    result = np.empty((len(queries), count), np.int64)
-    left = np.arange(len(queries))
-    while len(left):
-        keys = key(points, cell, np.zeros(3, np.int64))
-        order = np.argsort(keys, kind="stable")
-        ranges = [
-            np.searchsorted(keys[order], key(queries[left], cell, shift), side)
-            for side in ("left", "right")
-            for shift in SHIFTS
-        ]
-        low, high = np.stack(ranges[:27]).T.ravel(), np.stack(ranges[27:]).T.ravel()
-        owner = np.repeat(np.repeat(np.arange(len(left)), 27), high - low)
-        candidate = order[spread(low, high - low)]
-        if not len(candidate):
-            cell *= 2
-            continue
-        square = ((points[candidate] - queries[left[owner]]) ** 2).sum(axis=1)
-        ranked = np.lexsort([square, owner])
-        first = np.searchsorted(owner, np.arange(len(left)))
-        many = np.bincount(owner, minlength=len(left)) >= count
-        chosen = ranked[np.minimum(first[:, None] + np.arange(count), len(ranked) - 1)]
-        done = many & ((square[chosen[:, -1]] <= cell**2) | (cell > 4))
-        result[left[done]] = candidate[chosen[done]]
-        left, cell = left[~done], 2 * cell
+def to_mesh(mesh: Mesh, points: np.ndarray) -> np.ndarray:
+    """The distance of each point from the triangles around the vertices nearest to it."""
+    around = Around(mesh)
+    result = around.distances(points, NEAREST)
+    far = np.flatnonzero(result > np.quantile(result, 0.9))
+    result[far] = np.minimum(result[far], around.distances(points[far], AGAIN))
     return result
 
 
-SHIFTS = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+class Around:
+    """Vertices that triangles use, and the triangles around each."""
 
+    def __init__(self, mesh: Mesh) -> None:
+        """Sorts both."""
+        self.mesh, corner = mesh, mesh.triangles.ravel()
+        self.by_vertex = np.argsort(corner, kind="stable")
+        used, self.starts, self.counts = np.unique(
+            corner[self.by_vertex], return_index=True, return_counts=True
+        )
+        self.vertices = cKDTree(mesh.vertices[used])
 
-def key(points: np.ndarray, cell: float, shift: np.ndarray) -> np.ndarray:
-    """A number for each cube."""
-    x, y, z = (np.floor(points / cell).astype(np.int64) + shift + (1 << 20)).T
-    return x << 42 | y << 21 | z
+    def distances(self, points: np.ndarray, count: int) -> np.ndarray:
+        """The least distance of each point from a triangle around one of `count` vertices near it."""
+        count = min(count, self.vertices.n)
+        result = np.empty(len(points))
+        step = max(CHUNK * NEAREST // (16 * count), 1)
+        for low in range(0, len(points), step):
+            part = points[low : low + step]
+            near = self.vertices.query(part, count)[1].ravel()
+            many = self.counts[near]
+            faces = self.by_vertex[spread(self.starts[near], many)] // 3
+            owner = np.repeat(np.repeat(np.arange(len(part)), count), many)
+            corners = (self.mesh.vertices[self.mesh.triangles[faces, k]] for k in range(3))
+            least = np.full(len(part), np.inf)
+            np.minimum.at(least, owner, to_triangles(part[owner], *corners))
+            result[low : low + len(part)] = least
+        return result
 
 
 def spread(starts: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """All numbers of all ranges, one range after the other."""
     before = np.cumsum(counts) - counts
     return np.arange(counts.sum()) - np.repeat(before - starts, counts)
-
-
-def to_mesh(mesh: Mesh, points: np.ndarray, spacing: float) -> np.ndarray:
-    """The distance of each point from the triangles around the vertices nearest to it."""
-    result = by_vertices(mesh, points, spacing, NEAREST)
-    far = np.flatnonzero(result > np.quantile(result, 0.9))
-    result[far] = np.minimum(result[far], by_vertices(mesh, points[far], spacing, AGAIN))
-    return result
-
-
-def by_vertices(mesh: Mesh, points: np.ndarray, spacing: float, count: int) -> np.ndarray:
-    """The least distance of each point from a triangle around one of `count` vertices near it."""
-    corner = mesh.triangles.ravel()
-    by_vertex = np.argsort(corner, kind="stable")
-    used, starts, counts = np.unique(corner[by_vertex], return_index=True, return_counts=True)
-    result = np.empty(len(points))
-    step = max(CHUNK * NEAREST // (16 * count), 1)
-    for low in range(0, len(points), step):
-        part = points[low : low + step]
-        vertices = near(mesh.vertices[used], part, 1.5 * spacing, count)
-        many = counts[vertices.ravel()]
-        faces = by_vertex[spread(starts[vertices.ravel()], many)] // 3
-        owner = np.repeat(np.repeat(np.arange(len(part)), vertices.shape[1]), many)
-        distance = to_triangles(
-            part[owner], *(mesh.vertices[mesh.triangles[faces, k]] for k in range(3))
-        )
-        least = np.full(len(part), np.inf)
-        np.minimum.at(least, owner, distance)
-        result[low : low + len(part)] = least
-    return result
 
 
 def to_triangles(p: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
