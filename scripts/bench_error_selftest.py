@@ -90,6 +90,9 @@ def figures(tally: Tally) -> None:
     found = errors(Mesh(half.vertices, half.triangles[kept]), field, cloud, SPACING)
     tally.check("half", "what is missing shows from the surface", found["reverse_max"] > 0.5)
     tally.check("half", "and not from the mesh", found["forward_max"] < 0.01)
+    half.vertices[3] = np.nan
+    found = errors(half, field, cloud, SPACING)
+    tally.check("a vertex that is NaN", "is a fault", found["faults"] == ["not finite"])
 
 
 def distances(tally: Tally) -> None:

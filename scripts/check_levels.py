@@ -19,7 +19,12 @@ from kit.program import PROJECT, Isokit
 from kit.tally import Tally
 
 LEVELS = ("portable", "avx2", "avx512")
-MODES = (("linear", "gradient"), ("cubic", "matching"), ("quintic", "gradient"))
+MODES = (
+    ("linear", "gradient"),
+    ("cubic", "matching"),
+    ("quintic", "gradient"),
+    ("quintic", "matching"),
+)
 DTYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
 FIXTURES = {"head.nii.gz": 90, "marschner_lobb.nrrd": 0.5, "part.mha": 100, "ties.npy": 0}
 

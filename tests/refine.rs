@@ -3,7 +3,7 @@
 use isokit::{
     geom::Affine,
     job::{Job, Limits, Stopped, Threads},
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, Placement, Topology},
+    marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
     mesh::{TriMesh, measure},
     pipeline::{Normals, PipelineError, Scan, SurfaceOptions},
     refine::{RefineError, RefineOptions, Refined, Subdivision},
@@ -143,9 +143,8 @@ fn an_error_that_is_named_is_kept_with_fewer_triangles_than_everywhere_the_same(
         assert!(mesh.triangles.len() < everywhere.triangles.len(), "{name}");
         // One that holds already changes nothing.
         let (same, found) = refined(&scan, (0.0, &max_error(1.0)), &surface(), &job);
-        let plain = of(&scan, &levels(0));
-        assert_eq!((found.rounds, same.triangles), (0, plain.triangles), "{name}");
-        assert_eq!(same.positions, plain.positions, "{name}");
+        let plain = scan.mesh(0.0, &surface().before(&max_error(1.0)), &job).unwrap();
+        assert_eq!((found.rounds, same), (0, plain), "{name}");
     }
 }
 
@@ -310,14 +309,18 @@ fn positions_do_not_depend_on_the_normals_that_are_wanted() {
     let ties = AnyVolume::from(volumes::ties([7, 6, 8], 2, 5));
     for scan in [Scan::new(ball), Scan::new(noise), Scan::new(ties)] {
         for options in ways() {
-            let with = |normals| {
-                let surface = surface().with_normals(normals);
+            let with = |normals, gradient| {
+                let mut surface = surface().with_normals(normals);
+                surface.extract.gradient = gradient;
                 let (mesh, found) = refined(&scan, (0.0, &options), &surface, &Job::default());
                 assert_eq!(mesh.normals.is_some(), normals != Normals::None);
                 (mesh.positions, mesh.triangles, found)
             };
-            let plain = with(Normals::Gradient);
-            assert!(with(Normals::None) == plain && with(Normals::Area) == plain, "{options:?}");
+            let plain = with(Normals::Gradient, Gradient::Central);
+            assert!(with(Normals::Gradient, Gradient::Matching) == plain, "{options:?}");
+            for normals in [Normals::None, Normals::Area] {
+                assert!(with(normals, Gradient::Central) == plain, "{normals:?}, {options:?}");
+            }
         }
     }
 }

@@ -6,7 +6,9 @@
 use isokit::{
     geom::{Affine, Frame},
     job::Job,
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Placement, Topology, extract},
+    marching_cubes::{
+        Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
+    },
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
 };
@@ -224,12 +226,17 @@ fn samples_on_the_isovalue_in_forty_eight_copies() {
 /// The share of an edge is seen by laying its middle on 0, where f32 has steps finer than any other place.
 #[test]
 fn an_edge_is_cut_in_the_same_share_to_the_bit() {
-    let volume = chance([3, 4, 3], 9);
+    same_shares(&chance([3, 4, 3], 9), Placement::Linear);
+    same_shares(&chance([7, 2, 3], 9), Placement::Quintic);
+}
+
+#[track_caller]
+fn same_shares(volume: &Volume<f32>, placement: Placement) {
     let dims = volume.grid().dims();
-    let exact = ExtractOptions::DEFAULT.with_boundary(Boundary::Open);
+    let exact = ExtractOptions::DEFAULT.with_boundary(Boundary::Open).with_placement(placement);
     let exact = exact.with_degenerate(Degenerate::Exact);
     let shares = |symmetry: Symmetry| {
-        let copy = symmetry.copy(&volume);
+        let copy = symmetry.copy(volume);
         let mut shares: BTreeMap<Seat, u64> = BTreeMap::new();
         for (n, place) in mesh(&copy, 0.05, &exact).positions.iter().enumerate() {
             let [Seat::On(edge)] = seats(&[place])[..] else { panic!("{place:?} is on no edge") };
@@ -266,14 +273,23 @@ fn both_sides(volume: &Volume<f32>, iso: f64, options: ExtractOptions) -> [TriMe
 fn a_negated_volume_has_the_same_vertices_and_turned_normals() {
     let mut odd = Chance::new(3);
     let odd = made([6; 3], |_| 2.0 * odd.below(6) as f32 - 5.0);
-    for (volume, iso) in [(&odd, 0.0), (&chance([6, 5, 7], 4), 0.125)] {
+    let ways = [
+        (Placement::Linear, Gradient::Central),
+        (Placement::Quintic, Gradient::Central),
+        (Placement::Quintic, Gradient::Matching),
+    ];
+    for ((volume, iso), (placement, gradient)) in [(&odd, 0.0), (&chance([6, 5, 7], 4), 0.125)]
+        .into_iter()
+        .flat_map(|one| ways.map(|way| (one, way)))
+    {
         for degenerate in [Degenerate::Never, Degenerate::Exact] {
             let options = ExtractOptions::DEFAULT.with_topology(Topology::Table);
+            let options = options.with_placement(placement).with_gradient(gradient);
             let [there, back] = both_sides(volume, iso, options.with_degenerate(degenerate));
             assert!(there.positions.len() > 100 && there.positions == back.positions);
             let normals = |mesh: &TriMesh| mesh.normals.clone().expect("the default has normals");
             let turned: Vec<_> = normals(&back).iter().map(|normal| normal.map(|c| -c)).collect();
-            assert!(normals(&there) == turned);
+            assert!(normals(&there) == turned, "{placement:?}, {gradient:?}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use isokit::{
     geom::Frame,
     job::Job,
-    marching_cubes::{Degenerate, ExtractOptions, Topology, extract},
+    marching_cubes::{Degenerate, ExtractOptions, Placement, Topology, extract},
     mesh::Positions,
     volume::{Grid, Volume},
 };
@@ -22,14 +22,18 @@ fn volume(seed: u64) -> Volume<i8> {
     Volume::new(grid, (0..grid.count()).map(|_| chance.below(7) as i8 - 3).collect()).unwrap()
 }
 
+const PLACEMENTS: [Placement; 2] = [Placement::Linear, Placement::Quintic];
+
 #[test]
 fn a_thousand_volumes_full_of_ties_are_closed_and_have_no_flat_triangle() {
     for seed in 0..1000 {
         let volume = volume(seed);
         let ties = volume.samples().iter().filter(|&&sample| sample == 0).count();
         assert!(ties > 15, "chance without ties shows nothing");
-        for topology in [Topology::Table, Topology::Trilinear] {
-            let options = ExtractOptions::DEFAULT.with_topology(topology);
+        let topologies = [Topology::Table, Topology::Trilinear];
+        for (topology, placement) in topologies.into_iter().flat_map(|t| PLACEMENTS.map(|p| (t, p)))
+        {
+            let options = ExtractOptions::DEFAULT.with_topology(topology).with_placement(placement);
             let mesh = extract(&volume.view(), 0.0, &options, &Job::default()).unwrap();
             assert!(matches!(mesh.positions, Positions::F32(_)), "what files hold");
             assert!(assert_closed(&mesh).volume > 0.0, "seed {seed}");
@@ -40,10 +44,12 @@ fn a_thousand_volumes_full_of_ties_are_closed_and_have_no_flat_triangle() {
 #[test]
 fn exact_placement_has_the_same_triangles_and_some_of_them_flat() {
     let mut flat = 0;
-    for seed in 0..50 {
+    for (seed, placement) in (0..50).flat_map(|seed| PLACEMENTS.map(|placement| (seed, placement)))
+    {
         let volume = volume(seed);
         let of = |degenerate| {
-            let options = ExtractOptions::DEFAULT.with_degenerate(degenerate);
+            let options = ExtractOptions::DEFAULT.with_placement(placement);
+            let options = options.with_degenerate(degenerate);
             extract(&volume.view(), 0.0, &options, &Job::default()).unwrap()
         };
         let (never, exact) = (of(Degenerate::Never), of(Degenerate::Exact));

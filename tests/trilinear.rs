@@ -243,7 +243,7 @@ fn where_every_cell_is_simple_the_bytes_are_those_of_the_table() {
     let places = (0..20 * 20 * 20).map(|n| [n % 20, n / 20 % 20, n / 400]);
     let made = volume([20; 3], places.map(ball));
     for boundary in [Boundary::Closed, Boundary::Open] {
-        let table = ExtractOptions::DEFAULT.with_boundary(boundary);
+        let table = trilinear(boundary).with_topology(Topology::Table);
         for iso in [0.0, 1.0, 5.5] {
             assert_eq!(surface(&made, iso, &trilinear(boundary)), surface(&made, iso, &table));
         }

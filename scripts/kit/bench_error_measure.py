@@ -41,8 +41,11 @@ DOUBTED = 0.02
 
 def errors(mesh: Mesh, field: Field, cloud: np.ndarray, spacing: float) -> dict:
     """All figures of one mesh; lengths of the field's cube, angles in degrees."""
+    counts = {"vertices": len(mesh.vertices), "triangles": len(mesh.triangles)}
+    if not np.isfinite(mesh.vertices).all():
+        return counts | {"faults": ["not finite"]}
     found = topology(mesh, spacing, field.closed)
-    figures = {"vertices": len(mesh.vertices), "triangles": len(mesh.triangles)} | vars(found)
+    figures = counts | vars(found)
     figures["faults"] = found.faults(field.euler, field.components)
     a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a) / 2

@@ -14,7 +14,7 @@ from kit.data import as_json
 SECTIONS = {
     "synthetic": "Against VTK Flying Edges",
     "real": "Scans, against VTK Flying Edges",
-    "modes": "Topology and placement, against the plain way",
+    "modes": "Topology, placement and matching normals, against the plain way",
     "defaults": "With isokit's defaults, against VTK Flying Edges",
     "command": "Whole command",
     "threads": "Two threads",

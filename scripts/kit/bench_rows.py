@@ -105,7 +105,7 @@ def real(bench: Bench, store: Store) -> None:
 
 
 def modes(bench: Bench, store: Store) -> None:
-    """What topology and placement cost beside the plain way, on scans, and on all of them together."""
+    """What topology, placement and normals cost beside the plain way, on scans, and on all together."""
     matching = {"gradient": "matching"}
     changes = (
         ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),
@@ -119,7 +119,8 @@ def modes(bench: Bench, store: Store) -> None:
     seconds: dict[int, list[list[list[float]]]] = {n: [] for n in range(len(changes))}
 
     def what(option: str, normals: bool) -> str:
-        return f"{'' if normals else 'no '}normals, warm, 1 thread, {option} vs without"
+        kind = "gradient" if normals else "no"
+        return f"{kind} normals, warm, 1 thread, {option} vs without"
 
     for volume in scans(bench, store, "modes"):
         with bench.workers():

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let samples = volumes::cube(&field, points);
         let (grid, values) = (*samples.grid(), samples.samples().iter().map(|&v| v as f32));
         let scan = Scan::new(Volume::new(grid, values.collect::<Vec<f32>>())?);
-        let whole = scan.mesh(0.0, &surface, &Job::default())?;
+        let whole = scan.mesh(0.0, &surface.before(&balanced), &Job::default())?;
         all.push((name, field, volume, scan, whole));
     }
     for (what, options) in [

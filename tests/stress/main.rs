@@ -44,6 +44,7 @@ fn modes() -> Vec<ExtractOptions> {
             (Placement::Linear, Gradient::Central),
             (Placement::Cubic, Gradient::Matching),
             (Placement::Quintic, Gradient::Central),
+            (Placement::Quintic, Gradient::Matching),
         ] {
             for boundary in [Boundary::Closed, Boundary::Open] {
                 let options = ExtractOptions::DEFAULT.with_topology(topology);

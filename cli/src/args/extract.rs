@@ -70,7 +70,7 @@ pub(crate) struct ExtractArgs {
     #[arg(conflicts_with = "roi_mm", help_heading = "Part and place")]
     pub(crate) roi: Option<Region>,
     /// Part of the volume, in coordinates of the output's world: the same with numbers; the samples
-    /// around that box are taken
+    /// around that box are taken, and none beyond
     #[arg(long, value_name = "RANGES", value_parser = Region::parse_world)]
     #[arg(allow_hyphen_values = true, help_heading = "Part and place")]
     pub(crate) roi_mm: Option<Region>,

@@ -16,7 +16,7 @@ use isokit::{
     io::{MeshContext, MeshSpool, SurfaceHead, Written},
     job::{Job, OverLimit, Stopped},
     lanes::return_large_memory_when_freed,
-    marching_cubes::{Budget, Extracted, Skipped},
+    marching_cubes::{Budget, Extracted, Placement, Skipped},
     mesh::{Gauge, Gauged},
     pipeline::{PipelineError, SlabScan, SurfaceOptions},
 };
@@ -95,7 +95,12 @@ fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan, copies: u64) -> Resul
         let message = format!(
             "--max-memory is too little: the fewest slices at a time need {needed}MiB in all"
         );
-        CallerError { message, advice: "allow as much, or take a part of each slice with --roi" }
+        let advice = match plan.surface.extract.placement {
+            Placement::Linear => "allow as much, or take a part of each slice with --roi",
+            _ => "allow as much, take a part of each slice with --roi, or take --placement linear, which \
+                  looks at fewer slices",
+        };
+        CallerError { message, advice }
     })?)
 }
 

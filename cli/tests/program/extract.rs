@@ -169,13 +169,18 @@ fn samples_without_a_header_are_read_as_described() {
 #[test]
 fn normals_are_written_as_asked() {
     let folder = Folder::with_ball();
-    let normals = ["gradient", "area", "none"].map(|kind| {
-        folder.done(&format!("extract ball.nii --iso 50 --normals {kind} -o a.ply"));
-        folder.mesh("a.ply").surfaces[0].mesh.normals.clone()
-    });
-    let [gradient, area, none] = normals;
-    assert!(gradient.is_some() && area.is_some() && none.is_none());
-    assert_ne!(gradient, area);
+    for placement in ["linear", "cubic", "quintic"] {
+        let meshes = ["gradient", "matching", "area", "none"].map(|kind| {
+            let options = format!("--placement {placement} --normals {kind}");
+            folder.done(&format!("extract ball.nii --iso 50 {options} -o a.ply"));
+            folder.mesh("a.ply").surfaces[0].mesh.clone()
+        });
+        assert!(meshes.iter().all(|mesh| mesh.positions == meshes[0].positions), "{placement}");
+        let [gradient, matching, area, none] = meshes.map(|mesh| mesh.normals);
+        assert!(gradient.is_some() && area.is_some() && none.is_none());
+        assert!(gradient != area && matching != area, "{placement}");
+        assert_eq!(gradient == matching, placement == "linear", "{placement}");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use serde_json::json;
 use std::fs;
 
 /// Room for the program, for the pieces of so many surfaces, and for 4 to 6, 7, 10 and all slices of the
-/// volumes here; with longer stencils for the least window, a few slices more, and all.
+/// volumes here; with longer stencils for those of the least window, a few slices more, and all.
 fn limits(words: &str) -> Vec<String> {
     let room = 40 * 1024 + 3 * 1024 * words.matches("--iso ").count();
     // Where all cells may be special, a slice takes four times as much.
@@ -99,6 +99,7 @@ fn every_choice_of_surface_part_and_place_gets_the_same_bytes() {
         "--iso 50 --space index --gltf-unit mm",
         "--iso 50 --placement cubic",
         "--iso 20 --placement quintic --boundary open",
+        "--iso 50 --normals matching",
         "--iso 50 --origin 5e6,6e6,7e6 --spacing 0.1,0.1,0.1",
     ] {
         same(&folder, &format!("ball.nii {options} -o a.glb"));
@@ -108,6 +109,11 @@ fn every_choice_of_surface_part_and_place_gets_the_same_bytes() {
         ((7 * i + 11 * j * j + 13 * k * i) % 9) as f32
     });
     same(&folder, "noise.nii --iso 4 --topology table -o a.ply");
+    // So high that the window of every placement moves.
+    let tower = |[i, j, k]: [usize; 3]| ((5 * i + 3 * j * j + 7 * k * i + k) % 9) as u8;
+    let places = (0..8 * 7 * 30).map(|n| [n % 8, n / 8 % 7, n / 56]);
+    fs::write(folder.path("tower.raw"), places.map(tower).collect::<Vec<u8>>()).unwrap();
+    same(&folder, "tower.raw --dims 8,7,30 --dtype u8 --iso 4 -o a.ply");
 }
 
 #[test]
@@ -120,8 +126,8 @@ fn nan_is_treated_and_told_the_same() {
     folder.volume("a.nii", Space::Ras, holes);
     same(&folder, "a.nii --iso 20 --nan outside -o a.ply");
     same(&folder, "a.nii --iso 20 --nan mask -o a.ply");
-    for roi in ["", " --roi 3:9,2:,5:"] {
-        let words = format!("extract a.nii --iso 20 -o a.ply{roi}");
+    for options in ["", " --roi 3:9,2:,5:", " --placement linear"] {
+        let words = format!("extract a.nii --iso 20 -o a.ply{options}");
         let expected = folder.run(&words);
         assert_eq!(expected.exit, Exit::Failed);
         for limit in limits(&words) {

@@ -17,13 +17,13 @@ mod around;
 mod curves;
 mod edges;
 mod field;
+mod normals;
 mod roots;
-mod slopes;
 #[cfg(test)]
 mod tests;
 mod wide;
 
-pub use curves::{Curve, OneByOne, Slopes, curved_vertices};
+pub use curves::{Curve, Gradient, OneByOne, curved_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 pub(crate) use wide::Exact;

@@ -61,16 +61,15 @@ impl<'a, T: Sample> Placer<'a, T> {
             covectors: affine.covector_columns(),
         };
         let (placement, gradient) = (Placement::Linear, Gradient::Central);
-        let along = [[[0.0, 0.0, 1.0]; 2]; 3];
+        let along = [[[0.0; 3]; 2]; 3];
         let mut placer = Self { samples: view.samples(), view, field, placement, gradient, along };
-        for (axis, both) in along.into_iter().enumerate() {
-            for (rises, stand_in) in both.into_iter().enumerate() {
-                let mut gradient = [0.0; 3];
-                gradient[axis] = [-1.0, 1.0][rises];
+        placer.along = std::array::from_fn(|axis| {
+            [-1.0, 1.0].map(|rise| {
+                let gradient = std::array::from_fn(|k| if k == axis { rise } else { 0.0 });
                 // An axis has a direction, since the frame can be inverted.
-                placer.along[axis][rises] = placer.outward(gradient).unwrap_or(stand_in);
-            }
-        }
+                placer.outward(gradient).unwrap_or([0.0, 0.0, 1.0])
+            })
+        });
         placer
     }
 
@@ -80,8 +79,8 @@ impl<'a, T: Sample> Placer<'a, T> {
         Self { placement, gradient, ..self }
     }
 
-    /// Places the vertices of edges. Edges between samples go to the kernel of the placement, if it has one;
-    /// those to a guard, and those that the kernel calls odd, are placed one by one.
+    /// Places the vertices of edges. Edges between samples go to the kernel of the placement; those to a guard, and
+    /// others that the kernel calls odd, are placed one by one.
     pub(crate) fn place<C: Coordinate>(
         &self,
         edges: &Edges,
@@ -119,7 +118,9 @@ impl<'a, T: Sample> Placer<'a, T> {
         }
     }
 
-    /// The vertex of an edge to a guard, and its normal, which leads to the guard. Many are: all of a cap.
+    /// The vertex of an edge to a guard, and its normal, which leads to the guard: what
+    /// [`cut`](Self::cut) and [`central_normal`](Self::central_normal) say too, but not so soon. All vertices of
+    /// caps are such. (The ends of a window of slices, which are no ends of the volume, make no vertices.)
     fn cap<C: Coordinate>(&self, axis: usize, low: [u32; 3]) -> Option<([C; 3], [f32; 3])> {
         let is_lower = low[axis] == u32::MAX;
         if !is_lower && low[axis] as usize + 1 != self.view.dims()[axis] {

@@ -47,8 +47,8 @@ pub struct Refined {
 /// Brings a mesh nearer to the surface that it stands for. Its vertices should be on it, as
 /// `Placement::Cubic` puts them; where they are not, they stay, and their neighbours are better than they.
 ///
-/// Normals, if the mesh has some, are outward unit vectors of the surface. New vertices get those of the field,
-/// and balance moves all vertices along what they have; a mesh without normals is balanced along those of the
+/// Normals, if the mesh has some, are outward unit vectors of the surface, best those of `Gradient::Matching`. New
+/// vertices get those of the field, and balance moves all vertices along what they have; a mesh without normals is balanced along those of the
 /// field, which takes several times as long. A mesh without triangles is left alone.
 ///
 /// Beside the mesh, and the new one, some 200 bytes per triangle are in use meanwhile.

@@ -11,7 +11,8 @@ use isokit_volume::for_any;
 impl Scan {
     /// Brings the surface where the value is `iso`, as [`mesh`](Self::mesh) made it with
     /// [`surface.before(options)`](SurfaceOptions::before), nearer to the cubic field through the samples: between
-    /// vertices, in area and in volume. In the end it has the normals that `surface` asks for.
+    /// vertices, in area and in volume. In the end it has normals of the kind that `surface` asks for; those of the
+    /// gradient are [`Matching`](isokit_marching_cubes::Gradient::Matching) ones in any case.
     ///
     /// Vertices that are there stay or are balanced where they are, so they should be of
     /// [`Placement::Cubic`](isokit_marching_cubes::Placement::Cubic) or better.

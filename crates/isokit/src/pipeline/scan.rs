@@ -87,7 +87,8 @@ impl Scan {
         Ok(self)
     }
 
-    /// A part of the scan. Every sample stays where it was.
+    /// A part of the scan. Every sample stays where it was. What lies beyond is not looked at: near the part's border
+    /// normals, and vertices that are not placed linearly, differ a little from those of the whole.
     ///
     /// # Errors
     ///

@@ -1,19 +1,19 @@
 //! Where edges are crossed by cubics or quintics, 16 edges at a time.
 //!
 //! Loops take turns over some batches at a time: one loads the samples on the lines of the edges, the second
-//! finds roots (`roots.rs`), the third makes places, and a fourth normals (`slopes.rs`), if they are wanted. Each
+//! finds roots (`roots.rs`), the third makes places, and a fourth normals (`normals.rs`), if they are wanted. Each
 //! is short, so that the machine works at several batches at once while one waits, and only the first and the
 //! last are compiled for each type of sample.
 //!
-//! The caller tells the values of lines that leave the lattice, and the normals near its border. Edges that have
+//! The caller tells the values of lines that leave the lattice, and the normals that a loop leaves. Edges that have
 //! none, that have values which are not finite, or a root that is hard to find, are called odd and left to
 //! the caller.
 
 use super::{
     Field, Kernel, Vertices,
     around::Batch,
+    normals::{CentralNormals, MatchingNormals},
     roots::{Roots, Search},
-    slopes::{Leaning, Turning},
     wide::{BATCH, Mask, Task, Wide, run_at},
 };
 use crate::{Coordinate, Edges, Lane, Level, Samples};
@@ -45,7 +45,7 @@ impl Curve {
 
 /// What the normals at curves are made from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slopes {
+pub enum Gradient {
     /// Differences over two steps at the ends of the edge, as [`vertices`](super::vertices) takes them.
     Central,
     /// Those of the order of the curve.
@@ -73,7 +73,7 @@ pub trait OneByOne {
 /// If `out` has not room for exactly one vertex per edge.
 pub fn curved_vertices<T: Lane, C: Coordinate>(
     (samples, field): (&Samples<'_, T>, &Field),
-    made: (Curve, Slopes),
+    made: (Curve, Gradient),
     edges: &Edges,
     one_by_one: &dyn OneByOne,
     out: Vertices<'_, C>,
@@ -84,7 +84,7 @@ pub fn curved_vertices<T: Lane, C: Coordinate>(
 fn curved_vertices_at<T: Lane, C: Coordinate>(
     level: Level,
     (samples, field): (&Samples<'_, T>, &Field),
-    (curve, slopes): (Curve, Slopes),
+    (curve, gradient): (Curve, Gradient),
     edges: &Edges,
     one_by_one: &dyn OneByOne,
     Vertices { positions, mut normals, odd }: Vertices<'_, C>,
@@ -125,12 +125,15 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
         let kernel = &kernel;
-        match slopes {
-            Slopes::Central => {
-                run_at(level, Leaning { kernel, first, lines, normals, left: &mut left })
+        match gradient {
+            Gradient::Central => {
+                run_at(level, CentralNormals { kernel, first, lines, normals, left: &mut left })
             }
-            Slopes::Matching => {
-                run_at(level, Turning { kernel, first, pairs, lines, normals, left: &mut left });
+            Gradient::Matching => {
+                run_at(
+                    level,
+                    MatchingNormals { kernel, first, pairs, lines, normals, left: &mut left },
+                );
             }
         }
         for (number, line) in lines.iter().enumerate() {

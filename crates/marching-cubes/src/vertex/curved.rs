@@ -3,7 +3,7 @@
 use super::{Cut, Placer, curve::crossing, delta};
 use crate::Gradient;
 use isokit_lanes::{
-    Coordinate, Curve, Edges, OneByOne, Samples, Slopes, Vertices, curved_vertices,
+    self as lanes, Coordinate, Curve, Edges, OneByOne, Samples, Vertices, curved_vertices,
 };
 use isokit_volume::{Dtype, Sample, line};
 
@@ -19,12 +19,12 @@ impl<T: Sample> Placer<'_, T> {
         edges: &Edges,
         out: Vertices<'_, C>,
     ) {
-        let slopes = match self.gradient {
-            Gradient::Central => Slopes::Central,
-            Gradient::Matching => Slopes::Matching,
+        let gradient = match self.gradient {
+            Gradient::Central => lanes::Gradient::Central,
+            Gradient::Matching => lanes::Gradient::Matching,
         };
         let one_by_one = OfEdges { placer: self, edges };
-        curved_vertices((samples, &self.field), (curve, slopes), edges, &one_by_one, out);
+        curved_vertices((samples, &self.field), (curve, gradient), edges, &one_by_one, out);
     }
 
     /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.

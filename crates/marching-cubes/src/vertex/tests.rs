@@ -196,6 +196,32 @@ fn next_to_a_sample_without_a_value_the_other_differences_tell_the_normal() {
 }
 
 #[test]
+fn the_vertices_of_caps_are_those_of_any_edge_to_a_guard() {
+    let oblique = Affine::new([[0.5, 0.1, 0.0], [0.2, 0.7, 0.0], [0.1, -0.9, 2.5]], [3.0; 3]);
+    let mirrored = Affine::axis_aligned([-1.5, 0.3, 1e3], [0.1, -7.0, 1e6]);
+    for index_to_world in [oblique.unwrap(), mirrored.unwrap()] {
+        let size = [3, 4, 5];
+        let frame = Frame { index_to_world, ..Frame::default() };
+        let grid = Grid::new(size, frame).unwrap();
+        let volume = Volume::new(grid, (1..=60).collect::<Vec<u8>>()).unwrap();
+        for (margin, first_slice) in [(0.0, 0.0), (2_f64.powi(-10), 7.0)] {
+            let placer = Placer::new(volume.view(), 0.5, margin, first_slice);
+            for axis in 0..3 {
+                for low in [u32::MAX, size[axis] as u32 - 1] {
+                    let mut place = [1, 2, 1];
+                    place[axis] = low;
+                    let cut = placer.cut(axis, place);
+                    let expected = (placer.position::<f64>(&cut), placer.central_normal(&cut));
+                    assert_eq!(placer.cap(axis, place), Some(expected), "{axis}, {low}");
+                    place[axis] = 0;
+                    assert_eq!(placer.cap::<f64>(axis, place), None, "{axis} is no cap");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn where_all_differences_cancel_the_normal_follows_the_edge() {
     let grid = Grid::new([4, 4, 4], Frame::default()).unwrap();
     let checker = |n: usize| if (n + n / 4 + n / 16) % 2 == 1 { -1.0 } else { 1.0 };

@@ -11,7 +11,7 @@ use isokit_geom::{
     vector::{Vector, dot, length, normal, sub},
 };
 use isokit_job::{CHUNK, Job, Threads};
-use isokit_marching_cubes::{Boundary, ExtractOptions, Placement, extract};
+use isokit_marching_cubes::{Boundary, ExtractOptions, Gradient, Placement, extract};
 use isokit_mesh::{Positions, Precision, TriMesh};
 use isokit_volume::{Grid, Volume};
 
@@ -65,9 +65,12 @@ fn volumes() -> [Volume<f32>; 5] {
     ]
 }
 
+/// As the pipeline extracts what is then balanced.
+const OPTIONS: ExtractOptions =
+    ExtractOptions::DEFAULT.with_placement(Placement::Cubic).with_gradient(Gradient::Matching);
+
 fn surface(volume: &Volume<f32>, boundary: Boundary) -> TriMesh {
-    let options = ExtractOptions::DEFAULT.with_placement(Placement::Cubic).with_boundary(boundary);
-    extract(&volume.view(), 0.0, &options, &Job::default()).unwrap()
+    extract(&volume.view(), 0.0, &OPTIONS.with_boundary(boundary), &Job::default()).unwrap()
 }
 
 fn places(mesh: &TriMesh) -> &[[f32; 3]] {
@@ -264,8 +267,7 @@ fn a_world_at_any_scale_is_balanced_alike() {
         let frame = Frame { index_to_world: affine, ..Frame::default() };
         let grid = Grid::new(small.grid().dims(), frame).unwrap();
         let volume = Volume::new(grid, small.samples().to_vec()).unwrap();
-        let (options, job) = (ExtractOptions::DEFAULT, Job::default());
-        let options = options.with_placement(Placement::Cubic).with_precision(Some(Precision::F64));
+        let (options, job) = (OPTIONS.with_precision(Some(Precision::F64)), Job::default());
         let mut mesh = extract(&volume.view(), 0.0, &options, &job).unwrap();
         let (before, field) = (mesh.clone(), Sampled::new(volume.view()));
         let ground = Ground::new(Isosurface { field: &field, iso: 0.0 }, Precision::F64);

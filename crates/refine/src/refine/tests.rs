@@ -13,7 +13,7 @@ use crate::{
 use isokit_field::{Sampled, ScalarField};
 use isokit_geom::vector::sub;
 use isokit_job::Job;
-use isokit_marching_cubes::{Boundary, ExtractOptions, Placement, extract};
+use isokit_marching_cubes::{Boundary, ExtractOptions, Gradient, Placement, extract};
 use isokit_mesh::TriMesh;
 use isokit_volume::{Grid, Volume};
 
@@ -82,6 +82,7 @@ fn check(samples: Vec<f32>, dims: [u64; 3], error: f64) {
     let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
     for boundary in [Boundary::Closed, Boundary::Open] {
         let extracting = ExtractOptions::DEFAULT.with_placement(Placement::Cubic);
+        let extracting = extracting.with_gradient(Gradient::Matching);
         let whole = extract(&view, 0.0, &extracting.with_boundary(boundary), &job).unwrap();
         let (mut plain, mut carried) = (whole.clone(), whole.clone());
         let ground = Ground::new(surface, whole.positions.precision());

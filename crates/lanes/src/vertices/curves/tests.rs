@@ -1,6 +1,6 @@
 //! Every level against the portable one, whose bits `marching-cubes` compares with those of one at a time.
 
-use super::{Curve, OneByOne, Slopes, Vertices, curved_vertices_at};
+use super::{Curve, Gradient, OneByOne, Vertices, curved_vertices_at};
 use crate::{
     Edges, Lane, Level, Samples,
     vertices::{
@@ -30,7 +30,7 @@ type Placed = (Vec<Vec<u64>>, Vec<u32>);
 fn placed<T: Lane>(
     level: Level,
     samples: &Samples<'_, T>,
-    made: (Curve, Slopes),
+    made: (Curve, Gradient),
     edges: &Edges,
 ) -> Placed {
     let count = edges.len();
@@ -99,17 +99,18 @@ fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, neighbours: i6
                 let list: Vec<_> =
                     places.into_iter().map(|place| (chance.below(3) as usize, place)).collect();
                 let edges = edges(Level::Portable, &list, z);
-                let mut expected = Placed::default();
-                for slopes in [Slopes::Central, Slopes::Matching] {
-                    let made = (curve, slopes);
-                    expected = placed(Level::Portable, &samples, made, &edges);
+                let [odd, same] = [Gradient::Central, Gradient::Matching].map(|gradient| {
+                    let made = (curve, gradient);
+                    let expected = placed(Level::Portable, &samples, made, &edges);
                     for &level in Level::available() {
                         let found = placed(level, &samples, made, &edges);
                         assert!(found == expected, "{level}, {made:?}: {list:?}");
                     }
-                }
+                    expected.1
+                });
+                assert_eq!(odd, same);
                 for n in 0..edges.len() {
-                    let is_odd = expected.1.contains(&(n as u32));
+                    let is_odd = odd.contains(&(n as u32));
                     let has_line = has_line(dims, edges.get(n), neighbours);
                     assert!(has_line || is_odd, "{:?} is at the border", edges.get(n));
                     lines += usize::from(has_line);
@@ -194,7 +195,7 @@ fn lines_that_leave_the_lattice_are_those_that_the_caller_tells() {
             let place = |samples, edges: &Edges, field| {
                 let (mut positions, mut odd) = (vec![[0.0_f32; 3]; list.len()], vec![]);
                 let out = Vertices { positions: &mut positions, normals: None, odd: &mut odd };
-                let made = (Curve::Cubic, Slopes::Matching);
+                let made = (Curve::Cubic, Gradient::Matching);
                 curved_vertices_at(level, (samples, field), made, edges, &told, out);
                 odd.iter().for_each(|&n| positions[n as usize] = [0.0; 3]);
                 (positions, odd)
@@ -214,8 +215,8 @@ fn normals_whose_slopes_leave_the_lattice_are_those_that_the_caller_tells() {
     let all: Vec<u8> = (0..dims.iter().product()).map(|_| chance.next() as u8).collect();
     let samples = Samples::new(&all, 0, [1, 14, 14 * 12], dims).unwrap();
     let mut made = [0; 2];
-    for (z, slopes) in
-        (0..10).flat_map(|z| [Slopes::Central, Slopes::Matching].map(|slopes| (z, slopes)))
+    for (z, gradient) in
+        (0..10).flat_map(|z| [Gradient::Central, Gradient::Matching].map(|gradient| (z, gradient)))
     {
         let mut list = vec![];
         for (axis, y) in (0..3).flat_map(|axis| (0..11).map(move |y| (axis, y))) {
@@ -231,7 +232,7 @@ fn normals_whose_slopes_leave_the_lattice_are_those_that_the_caller_tells() {
                 values.copy_from_slice(&[-1.5, -0.5, 0.5, 1.5]);
                 true
             });
-            let (told_of, way) = ((&samples, &FIELD), (Curve::Cubic, slopes));
+            let (told_of, way) = ((&samples, &FIELD), (Curve::Cubic, gradient));
             curved_vertices_at(level, told_of, way, &edges, &told, out);
             for n in (0..list.len()).filter(|&n| !odd.contains(&(n as u32))) {
                 let (axis, low) = edges.get(n);
@@ -240,12 +241,12 @@ fn normals_whose_slopes_leave_the_lattice_are_those_that_the_caller_tells() {
                     low >= 2 && low + usize::from(k == axis) + 2 < dims[k]
                 });
                 // Central differences have one-sided ones in their place at a border.
-                let is_made = is_inner || slopes == Slopes::Central;
+                let is_made = is_inner || gradient == Gradient::Central;
                 let length: f32 = normals[n].iter().map(|c| c * c).sum();
                 let is_told = normals[n][0] == n as f32 && normals[n][2] == 2.0;
                 assert!(is_told != is_made, "{level}: {axis}, {low:?}: {:?}", normals[n]);
                 assert!(is_told || (length - 1.0).abs() < 1e-6, "{level}: {:?}", normals[n]);
-                made[slopes as usize] += usize::from(is_made);
+                made[gradient as usize] += usize::from(is_made);
             }
         }
     }

@@ -25,7 +25,9 @@ fn made<T: Sample>(dims: [u64; 3], mut sample: impl FnMut([u64; 3]) -> T) -> Vol
 /// Asserts that nothing but places along edges and normals differs; gives how many places do.
 #[track_caller]
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> usize {
-    let linear = mesh(volume, iso, &options.clone().with_placement(Placement::Linear));
+    let options = options.clone().with_placement(Placement::Linear);
+    let linear = mesh(volume, iso, &options);
+    assert!(mesh(volume, iso, &options.clone().with_gradient(Gradient::Matching)) == linear);
     let mut moved = 0;
     for placement in CURVED {
         let options = options.clone().with_placement(placement);
