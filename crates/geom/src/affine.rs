@@ -149,6 +149,11 @@ impl Affine {
         (self.matrix.inverse() * (DVec3::from(xyz) - self.origin)).to_array()
     }
 
+    /// The displacement in index space whose image is `xyz`.
+    pub fn inverse_vector(&self, xyz: [f64; 3]) -> [f64; 3] {
+        (self.matrix.inverse() * DVec3::from(xyz)).to_array()
+    }
+
     /// The signed volume of a cell. Negative where the map reflects.
     pub fn determinant(&self) -> f64 {
         self.matrix.determinant()
@@ -209,6 +214,8 @@ mod tests {
     fn inverse_undoes_it() {
         let ijk = [3.0, 4.5, -2.0];
         let back = oblique().inverse_point(oblique().point(ijk));
+        assert!(ijk.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
+        let back = oblique().inverse_vector(oblique().vector(ijk));
         assert!(ijk.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
     }
 

@@ -33,6 +33,7 @@
 //! | know what is read and written, in which axes and units | [`guide::formats`], [`io`] |
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
+//! | look at a volume without a surface | [`render`](mod@render) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |
 //! | write a surface that no memory holds | [`io::MeshSpool`] |
 //! | find out what is wrong with a mesh | [`mesh::topology`] |
@@ -56,6 +57,7 @@ pub use isokit_lanes as lanes;
 pub use isokit_marching_cubes as marching_cubes;
 pub use isokit_mesh as mesh;
 pub use isokit_refine as refine;
+pub use isokit_render as render;
 pub use isokit_volume as volume;
 pub use isokit_volume::{for_any, for_dtype};
 

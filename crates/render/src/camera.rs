@@ -1,0 +1,253 @@
+//! Where a picture is taken from, and the ray of each of its points.
+
+use isokit_geom::{
+    Aabb, Space,
+    vector::{Vector, cross, dot, length, sub},
+};
+
+/// How rays lie to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Side by side: nothing is smaller for being far away.
+    Parallel {
+        /// What the picture shows from bottom to top, in world units.
+        height: f64,
+    },
+    /// All from one point.
+    Perspective {
+        /// The angle between bottom and top, in degrees, above 0 and below 180.
+        fov: f64,
+    },
+}
+
+/// A place to look from, and what the picture shows from there.
+///
+/// # Guarantees
+///
+/// Right, up and forward are unit vectors at right angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    from: Vector,
+    right: Vector,
+    up: Vector,
+    forward: Vector,
+    /// The distance to what it looks at.
+    distance: f64,
+    projection: Projection,
+}
+
+/// Why there is no such camera.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A number is not finite.
+    #[error("a camera's places and directions are finite numbers")]
+    NotFinite,
+    /// It looks nowhere.
+    #[error("the camera is at the place that it looks at")]
+    NoDirection,
+    /// No direction of the picture is up.
+    #[error("the camera looks along its direction up")]
+    NoUp,
+    /// A picture of nothing, or of more than what lies before it.
+    #[error("a picture shows a height above 0 or an angle above 0 and below 180 degrees")]
+    NoExtent,
+}
+
+/// A side of a body from which it is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// From the front.
+    Anterior,
+    /// From behind.
+    Posterior,
+    /// From the body's left.
+    Left,
+    /// From the body's right.
+    Right,
+    /// From above the head.
+    Superior,
+    /// From below the feet.
+    Inferior,
+}
+
+/// A line that begins at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: Vector,
+    /// Where it leads: of length 1 in the world.
+    pub direction: Vector,
+}
+
+/// The share of the picture's height by which a framed box stays away from its edges.
+const MARGIN: f64 = 0.03;
+
+impl Camera {
+    /// At `from`, looking at `at`, with `up` as nearly up in the picture as that allows.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite, if the two places are one, if it looks along `up`, or if the projection
+    /// shows nothing.
+    pub fn new(
+        from: Vector,
+        at: Vector,
+        up: Vector,
+        projection: Projection,
+    ) -> Result<Self, CameraError> {
+        let extent = match projection {
+            Projection::Parallel { height } => height,
+            Projection::Perspective { fov } => fov,
+        };
+        if [from, at, up, [extent; 3]].as_flattened().iter().any(|number| !number.is_finite()) {
+            return Err(CameraError::NotFinite);
+        }
+        let is_narrow = !matches!(projection, Projection::Perspective { fov } if fov >= 180.0);
+        if !(extent > 0.0 && is_narrow) {
+            return Err(CameraError::NoExtent);
+        }
+        let distance = length(sub(at, from));
+        let forward = unit(sub(at, from)).ok_or(CameraError::NoDirection)?;
+        let up = unit(up).ok_or(CameraError::NoUp)?;
+        let aside = cross(forward, up);
+        // Nearer to each other than that, up would be what rounding makes of it.
+        if length(aside) < 1e-6 {
+            return Err(CameraError::NoUp);
+        }
+        let right = unit(aside).ok_or(CameraError::NoUp)?;
+        Ok(Self { from, right, up: cross(right, forward), forward, distance, projection })
+    }
+
+    /// A camera that looks at a box along `forward` and shows all of it, in a picture that is `aspect` times
+    /// as wide as high. `fov` is the angle of a perspective; without one the projection is parallel.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new), and if the box is a point.
+    pub fn framing(
+        bounds: Aabb,
+        (forward, up): (Vector, Vector),
+        fov: Option<f64>,
+        aspect: f64,
+    ) -> Result<Self, CameraError> {
+        let middle: Vector = std::array::from_fn(|k| bounds.min[k].midpoint(bounds.max[k]));
+        let radius = length(sub(bounds.max, middle));
+        if radius == 0.0 {
+            return Err(CameraError::NoExtent);
+        }
+        let forward = unit(forward).ok_or(CameraError::NoDirection)?;
+        let from: Vector = std::array::from_fn(|k| middle[k] - 2.0 * radius * forward[k]);
+        let projection = match fov {
+            Some(fov) => Projection::Perspective { fov },
+            None => Projection::Parallel { height: radius },
+        };
+        let first = Self::new(from, middle, up, projection)?;
+        let corners = bounds.corners().map(|corner| {
+            let from = sub(corner, middle);
+            [dot(from, first.right) / aspect, dot(from, first.up), dot(from, forward)]
+        });
+        let most = |reach: &dyn Fn(&[f64; 3]) -> f64| corners.iter().map(reach).fold(0.0, f64::max);
+        let usable = 1.0 - 2.0 * MARGIN;
+        match fov {
+            None => {
+                let height = 2.0 * most(&|c| c[0].abs().max(c[1].abs())) / usable;
+                Self::new(from, middle, up, Projection::Parallel { height })
+            }
+            Some(fov) => {
+                // A corner is within the picture if it is no farther aside than the angle allows there.
+                let slope = (fov.to_radians() / 2.0).tan() * usable;
+                let back = most(&|c| c[0].abs().max(c[1].abs()) / slope - c[2]);
+                let from = std::array::from_fn(|k| middle[k] - back * forward[k]);
+                Self::new(from, middle, up, projection)
+            }
+        }
+    }
+
+    /// Where the camera is.
+    pub fn from(&self) -> Vector {
+        self.from
+    }
+
+    /// Where it looks: of length 1.
+    pub fn forward(&self) -> Vector {
+        self.forward
+    }
+
+    /// How rays lie to each other.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// The ray of a point of the picture: `x` from −`aspect` at the left edge to `aspect`, `y` from −1 at the
+    /// bottom to 1, where `aspect` is the picture's width over its height.
+    pub fn ray(&self, [x, y]: [f64; 2]) -> Ray {
+        let aside = |half: f64| -> Vector {
+            std::array::from_fn(|k| half * (x * self.right[k] + y * self.up[k]))
+        };
+        match self.projection {
+            Projection::Parallel { height } => {
+                let aside = aside(0.5 * height);
+                let origin = std::array::from_fn(|k| self.from[k] + aside[k]);
+                Ray { origin, direction: self.forward }
+            }
+            Projection::Perspective { fov } => {
+                let aside = aside((fov.to_radians() / 2.0).tan());
+                let towards = std::array::from_fn(|k| self.forward[k] + aside[k]);
+                // Its length is 1 or more.
+                Ray { origin: self.from, direction: unit(towards).unwrap_or(self.forward) }
+            }
+        }
+    }
+
+    /// The same camera, moved around what it looks at by an angle in degrees: from above, that is where `up`
+    /// comes from, counter-clockwise.
+    #[must_use]
+    pub fn orbited(&self, degrees: f64) -> Self {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let turned = |v: Vector| -> Vector {
+            let (along, across) = (dot(v, self.up), cross(self.up, v));
+            // Rodrigues' rotation about the direction up.
+            std::array::from_fn(|k| {
+                v[k] * cosine + across[k] * sine + self.up[k] * along * (1.0 - cosine)
+            })
+        };
+        let (right, forward) = (turned(self.right), turned(self.forward));
+        let from =
+            std::array::from_fn(|k| self.from[k] + self.distance * (self.forward[k] - forward[k]));
+        Self { from, right, forward, ..*self }
+    }
+}
+
+impl Side {
+    /// Where a camera at this side looks, and what is up in its picture, in a world whose axes point so. In an
+    /// unknown world as in RAS.
+    pub fn directions(self, space: Space) -> (Vector, Vector) {
+        let flip = if space == Space::Lps { -1.0 } else { 1.0 };
+        let (right, anterior, superior) = ([flip, 0.0, 0.0], [0.0, flip, 0.0], [0.0, 0.0, 1.0]);
+        let back = |v: Vector| v.map(|c| -c);
+        match self {
+            Self::Anterior => (back(anterior), superior),
+            Self::Posterior => (anterior, superior),
+            Self::Left => (right, superior),
+            Self::Right => (back(right), superior),
+            Self::Superior => (back(superior), anterior),
+            Self::Inferior => (superior, anterior),
+        }
+    }
+}
+
+/// The unit vector along `v`. None along 0.
+fn unit(v: Vector) -> Option<Vector> {
+    let greatest = v.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+    if greatest == 0.0 {
+        return None;
+    }
+    // Divided first, so that no square overflows or vanishes.
+    let v = v.map(|c| c / greatest);
+    let length = length(v);
+    Some(v.map(|c| c / length))
+}
+
+#[cfg(test)]
+mod tests;

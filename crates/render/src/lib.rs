@@ -1,0 +1,61 @@
+//! Pictures of volumes, computed on the processor: no display and no graphics card take part.
+//!
+//! [`raycast`] looks at a volume through a [`TransferFunction`], which gives each value a colour and an opacity, with
+//! a [`Camera`]; the [`Image`] is written by [`write_png`].
+//!
+//! ```
+//! use isokit_geom::Space;
+//! use isokit_job::Job;
+//! use isokit_render::{
+//!     Background, Camera, ControlPoint, Depth, RaycastOptions, Side, Size, TransferFunction, raycast,
+//!     write_png,
+//! };
+//! use isokit_volume::{Grid, Volume};
+//!
+//! // How deep a point lies in a ball.
+//! let ball = |n: usize| {
+//!     let from = [n % 32, n / 32 % 32, n / 1024].map(|i| i as f32 - 15.5);
+//!     12.0 - from.iter().map(|c| c * c).sum::<f32>().sqrt()
+//! };
+//! let grid = Grid::new([32, 32, 32], Default::default())?;
+//! let volume = Volume::new(grid, (0..32 * 32 * 32).map(ball).collect())?;
+//!
+//! // Nothing at the rim, an orange fog that grows denser towards the middle.
+//! let transfer = TransferFunction::new(vec![
+//!     ControlPoint::new(0.0, "#ff800000".parse()?),
+//!     ControlPoint::new(12.0, "#ff8000a0".parse()?),
+//! ])?;
+//! let bounds = volume.grid().bounds();
+//! let camera = Camera::framing(bounds, Side::Anterior.directions(Space::Ras), Some(30.0), 1.0)?;
+//! let size = Size { width: 64.try_into()?, height: 64.try_into()? };
+//! let (image, _) = raycast(
+//!     (&volume.view(), None),
+//!     &transfer,
+//!     (&camera, size),
+//!     &RaycastOptions::DEFAULT,
+//!     &Job::default(),
+//! )?;
+//! assert!(image.pixel(32, 32).opacity > 0.9 && image.pixel(0, 0).opacity == 0.0);
+//! let mut file = vec![]; // or a file
+//! write_png(&image, Background::Transparent, Depth::Eight, &mut file)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Colours are in linear light and multiplied by their opacity from the first step to the last; only files have them
+//! otherwise. The same scene gives the same picture, byte for byte, for any number of threads.
+
+mod camera;
+mod gather;
+mod image;
+mod light;
+mod png;
+mod raycast;
+mod transfer;
+
+pub use camera::{Camera, CameraError, Projection, Ray, Side};
+pub use gather::{Gathered, opacity_over};
+pub use image::{Background, Image, Size};
+pub use light::Light;
+pub use png::{Depth, PngError, write_png};
+pub use raycast::{Cast, RaycastError, RaycastOptions, raycast};
+pub use transfer::{ControlPoint, TransferError, TransferFunction};

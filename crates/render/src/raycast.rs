@@ -1,0 +1,187 @@
+//! Volume ray casting: along the ray of each pixel the colours and opacities of values are gathered, front to back
+//! (Levoy 1988, "Display of surfaces from volume data"; Drebin, Carpenter & Hanrahan 1988 for what is gathered).
+//!
+//! Values between samples are those of trilinear interpolation, taken in the middle of each of the steps into which
+//! a ray's way through the volume is cut; the last is shorter, and its opacity is corrected to its length, so that
+//! one substance gathers the same at any length of step. A sample that is NaN hides nothing.
+//!
+//! Two things are not computed, and counted: steps in bricks of which no value can be seen (`leap.rs`), which changes
+//! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
+//!
+//! What it does not do: colours and opacities change linearly within a step only as far as values do. A transfer
+//! function with peaks narrower than the change of value in one step needs shorter steps.
+
+mod leap;
+mod march;
+
+use crate::{Camera, Gathered, Image, Light, Ray, Size, TransferFunction, transfer::Lookup};
+use isokit_job::{Job, Stopped};
+use isokit_lanes::exactly;
+use isokit_volume::{Bricks, Sample, View};
+use leap::Clear;
+use march::March;
+use rayon::prelude::*;
+
+/// How rays are cast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RaycastOptions {
+    /// The length of a step, in units of the smallest spacing. Changes the picture: it is off by O(step²) where the
+    /// transfer function is smooth. Default: 0.5.
+    pub step: f64,
+    /// The length, in world units, over which the opacities of the transfer function are gathered. Changes the
+    /// picture. Default: `None`, the smallest spacing.
+    pub unit: Option<f64>,
+    /// How gradients are lit; `None` leaves colours as they are. Changes the picture. Default:
+    /// [`Light::DEFAULT`].
+    pub light: Option<Light>,
+    /// With so much opacity a ray ends. Changes the picture, by no more than what is left to 1 in each part of
+    /// a colour. Default: 1 − 2⁻¹⁰.
+    pub opaque: f32,
+}
+
+impl RaycastOptions {
+    /// The defaults named above.
+    pub const DEFAULT: Self =
+        Self { step: 0.5, unit: None, light: Some(Light::DEFAULT), opaque: 1.0 - 1.0 / 1024.0 };
+
+    /// The same options with another `step`.
+    pub const fn with_step(mut self, step: f64) -> Self {
+        self.step = step;
+        self
+    }
+
+    /// The same options with another `unit`.
+    pub const fn with_unit(mut self, unit: Option<f64>) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// The same options with another `light`.
+    pub const fn with_light(mut self, light: Option<Light>) -> Self {
+        self.light = light;
+        self
+    }
+
+    /// The same options with another `opaque`.
+    pub const fn with_opaque(mut self, opaque: f32) -> Self {
+        self.opaque = opaque;
+        self
+    }
+}
+
+impl Default for RaycastOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// What was computed for a picture, and what was not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cast {
+    /// Steps whose value was looked at.
+    pub steps: u64,
+    /// Steps in bricks of which nothing can be seen.
+    pub steps_leapt: u64,
+    /// Steps behind what is as good as opaque.
+    pub steps_hidden: u64,
+}
+
+impl Cast {
+    fn with(self, other: Self) -> Self {
+        Self {
+            steps: self.steps + other.steps,
+            steps_leapt: self.steps_leapt + other.steps_leapt,
+            steps_hidden: self.steps_hidden + other.steps_hidden,
+        }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RaycastError {
+    /// The caller's fault: a length of no use.
+    #[error("{what} is {value}: it must be above 0, and no more than {most:e} of them in a volume")]
+    Length {
+        /// Which one.
+        what: &'static str,
+        /// What was asked for.
+        value: f64,
+        /// How many steps a ray may have.
+        most: f64,
+    },
+    /// The job was cancelled, or allows less memory.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+/// The most steps of one ray: beyond, they are as short as what f32 tells apart.
+const MOST_STEPS: f64 = 1e6;
+
+/// The picture of a volume: its values through a transfer function. Bricks, if they are known, are those of the
+/// volume.
+///
+/// The picture is the same, byte for byte, for any number of threads, and with bricks or without.
+///
+/// # Errors
+///
+/// If a length is not above 0, or so short that a ray has more than a million steps; if the job is cancelled or does
+/// not allow the picture's memory.
+pub fn raycast<T: Sample>(
+    (view, bricks): (&View<'_, T>, Option<&Bricks<T>>),
+    transfer: &TransferFunction,
+    (camera, size): (&Camera, Size),
+    options: &RaycastOptions,
+    job: &Job,
+) -> Result<(Image, Cast), RaycastError> {
+    exactly(|| cast((view, bricks), transfer, (camera, size), options, job))
+}
+
+fn cast<T: Sample>(
+    (view, bricks): (&View<'_, T>, Option<&Bricks<T>>),
+    transfer: &TransferFunction,
+    (camera, size): (&Camera, Size),
+    options: &RaycastOptions,
+    job: &Job,
+) -> Result<(Image, Cast), RaycastError> {
+    let affine = view.frame().index_to_world;
+    let spacing = affine.spacing().into_iter().fold(f64::INFINITY, f64::min);
+    let (step, unit) = (options.step * spacing, options.unit.unwrap_or(spacing));
+    let across: f64 = (0..3).map(|axis| view.dims()[axis] as f64 * affine.spacing()[axis]).sum();
+    for (what, value) in [("the step", step), ("the reference length", unit)] {
+        if !(value > 0.0 && across / value <= MOST_STEPS) {
+            return Err(RaycastError::Length { what, value, most: MOST_STEPS });
+        }
+    }
+    let mut image = Image::new(size, &job.limits).map_err(Stopped::from)?;
+    let lookup = Lookup::new(transfer, step / unit);
+    let clear = bricks.map(|bricks| Clear::new(bricks, view.scaling(), &lookup));
+    let march = March::new(view, transfer, (&lookup, clear.as_ref()), (step, unit), options);
+    let width = size.width.get() as usize;
+    job.progress.begin("render", u64::from(size.height.get()));
+    let row = |(row, pixels): (usize, &mut [Gathered])| {
+        exactly(|| {
+            job.check()?;
+            let mut done = Cast::default();
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = march.along(&ray_of(camera, size, [column, row]), &mut done);
+            }
+            job.progress.advance(1);
+            Ok(done)
+        })
+    };
+    let rows = image.pixels_mut().par_chunks_mut(width).enumerate();
+    let done: Result<Vec<Cast>, Stopped> = job.threads.run(|| rows.map(row).collect());
+    Ok((image, done?.into_iter().fold(Cast::default(), Cast::with)))
+}
+
+/// The ray through the middle of a pixel, by column from the left and row from the top.
+fn ray_of(camera: &Camera, size: Size, [column, row]: [usize; 2]) -> Ray {
+    let [width, height] = [size.width, size.height].map(|n| f64::from(n.get()));
+    let [x, y] = [column, row].map(|n| 2.0 * n as f64 + 1.0);
+    camera.ray([(x - width) / height, (height - y) / height])
+}
+
+#[cfg(test)]
+mod tests;

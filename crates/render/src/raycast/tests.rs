@@ -1,0 +1,280 @@
+//! Closed forms, and pictures that must be equal.
+
+use super::{RaycastError, RaycastOptions, raycast};
+use crate::{Camera, Cast, ControlPoint, Image, Projection, Size, TransferFunction};
+use isokit_geom::{Affine, Frame};
+use isokit_job::{Job, Threads};
+use isokit_volume::{Bricks, Grid, Sample, Volume};
+use std::num::{NonZeroU32, NonZeroUsize};
+
+const PLAIN: RaycastOptions = RaycastOptions::DEFAULT.with_light(None).with_opaque(1.0);
+
+fn volume<T: Sample>(dims: [u64; 3], spacing: f64, f: impl Fn([f64; 3]) -> T) -> Volume<T> {
+    let index_to_world = Affine::axis_aligned([spacing; 3], [0.0; 3]).unwrap();
+    let grid = Grid::new(dims, Frame { index_to_world, ..Frame::default() }).unwrap();
+    let at =
+        |n: u64| f([n % dims[0], n / dims[0] % dims[1], n / dims[0] / dims[1]].map(|i| i as f64));
+    Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
+}
+
+/// A grey of the same shade for every value, and an opacity of each.
+fn opacities(range: [f64; 2], of: impl Fn(f64) -> f64) -> TransferFunction {
+    let point = |n: u32| {
+        let value = range[0] + (range[1] - range[0]) * f64::from(n) / 4000.0;
+        ControlPoint { value, color: [0.5; 3], opacity: of(value) as f32 }
+    };
+    TransferFunction::new((0..=4000).map(point).collect()).unwrap()
+}
+
+fn size(n: u32) -> Size {
+    let n = NonZeroU32::new(n).unwrap();
+    Size { width: n, height: n }
+}
+
+fn picture<T: Sample>(
+    volume: &Volume<T>,
+    transfer: &TransferFunction,
+    (camera, n): (&Camera, u32),
+    options: &RaycastOptions,
+) -> (Image, Cast) {
+    let camera = (camera, size(n));
+    raycast((&volume.view(), None), transfer, camera, options, &Job::default()).unwrap()
+}
+
+/// Along z through the middle of x and y of a volume, as one pixel sees it.
+fn through<T: Sample>(
+    volume: &Volume<T>,
+    transfer: &TransferFunction,
+    options: &RaycastOptions,
+) -> [f64; 2] {
+    let bounds = volume.grid().bounds();
+    let middle = [0, 1, 2].map(|k| bounds.min[k].midpoint(bounds.max[k]));
+    let from = [middle[0], middle[1], bounds.min[2] - 3.0];
+    let parallel = Projection::Parallel { height: 1e-6 };
+    let camera = Camera::new(from, middle, [0.0, 1.0, 0.0], parallel).unwrap();
+    let pixel = picture(volume, transfer, (&camera, 1), options).0.pixel(0, 0);
+    [pixel.color[0].into(), pixel.opacity.into()]
+}
+
+#[test]
+fn a_slab_of_one_substance_gathers_the_same_at_any_step() {
+    for (opacity, unit) in [(0.05, 1.0), (0.3, 2.5), (0.6, 0.8)] {
+        let slab = volume([4, 4, 9], 1.5, |_| 7_u8);
+        let transfer = opacities([0.0, 10.0], |_| opacity);
+        let exact = 1.0 - (1.0 - f64::from(opacity as f32)).powf(12.0 / unit);
+        for step in [0.01, 0.1, 0.37, 1.0, 3.0, 100.0] {
+            let options = PLAIN.with_step(step).with_unit(Some(unit));
+            let [color, found] = through(&slab, &transfer, &options);
+            // Rounding adds up over the steps.
+            let unseen = 2e-7 + 3e-8 * 12.0 / step;
+            assert!((found - exact).abs() < unseen, "{opacity}, {step}: {found} for {exact}");
+            assert!((color - 0.5 * exact).abs() < unseen, "{opacity}, {step}: {color}");
+        }
+    }
+}
+
+/// The slope of a line through the logarithms of errors at steps that are halved.
+fn order(errors: &[f64]) -> f64 {
+    let n = errors.len() as f64 - 1.0;
+    (errors[0] / errors[errors.len() - 1]).log2() / n
+}
+
+#[test]
+fn of_a_ramp_the_error_falls_with_the_square_of_the_step() {
+    // σ = k x: 1 − e^(−k L² / 2).
+    let (k, length) = (0.02_f64, 16.0_f64);
+    let ramp = volume([3, 3, 17], 1.0, |[_, _, z]| z as f32);
+    let transfer = opacities([0.0, 16.0], |value| -(-k * value).exp_m1());
+    let exact = 1.0 - (-k * length * length / 2.0).exp();
+    let bent = volume([3, 3, 17], 1.0, |[_, _, z]| (z * z / 16.0) as f32);
+    // Piecewise linear between samples: the sum of trapezoids is what trilinear interpolation has.
+    let sum: f64 = (0..16).map(|z| f64::from(z * z + (z + 1) * (z + 1)) / 32.0).sum();
+    for (volume, exact) in [(ramp, exact), (bent, 1.0 - (-k * sum).exp())] {
+        let off = |step: f64| {
+            (through(&volume, &transfer, &PLAIN.with_step(step).with_unit(Some(1.0)))[1] - exact)
+                .abs()
+        };
+        assert!(off(0.25) < 2e-4, "{}", off(0.25));
+    }
+}
+
+#[test]
+fn step_halving_is_of_order_two_where_values_bend() {
+    let wave = |z: f64| (z * 0.4).sin();
+    let fine = volume([3, 3, 1601], 0.01, |[_, _, z]| wave(z * 0.01) as f32);
+    let transfer = opacities([-1.0, 1.0], |value| 0.1 * (value + 1.0));
+    let exact = {
+        // The midpoint rule with steps so small that nothing is left.
+        let n = 400_000;
+        let sum: f64 = (0..n)
+            .map(|i| {
+                let value = wave((f64::from(i) + 0.5) * 16.0 / f64::from(n));
+                (1.0 - 0.1 * (value + 1.0)).ln() * 16.0 / f64::from(n)
+            })
+            .sum();
+        1.0 - sum.exp()
+    };
+    let steps = [400.0, 200.0, 100.0, 50.0];
+    let errors = steps.map(|step| {
+        let options = PLAIN.with_step(step).with_unit(Some(1.0));
+        (through(&fine, &transfer, &options)[1] - exact).abs()
+    });
+    assert!((1.7..2.4).contains(&order(&errors)), "{errors:?}");
+}
+
+#[test]
+fn the_middle_of_a_gaussian_ball_gathers_what_the_error_function_says() {
+    let (radius, n) = (6.0_f64, 49);
+    let middle = f64::from(n - 1) / 2.0;
+    let ball = volume([n as u64; 3], 1.0, |ijk| {
+        let square: f64 = ijk.iter().map(|c| (c - middle) * (c - middle)).sum();
+        (-square / (radius * radius)).exp() as f32
+    });
+    let density = 0.05;
+    let transfer = opacities([0.0, 1.0], |value| -(-density * value).exp_m1());
+    // From −24 to 24 the error function is 1 to 2·10⁻⁸.
+    let exact = 1.0 - (-density * radius * std::f64::consts::PI.sqrt()).exp();
+    let [_, found] = through(&ball, &transfer, &PLAIN.with_step(0.25).with_unit(Some(1.0)));
+    assert!((found - exact).abs() < 1e-3, "{found} for {exact}");
+}
+
+/// Blobs of bytes, most of which is 0.
+fn blobs() -> Volume<u8> {
+    volume([150, 40, 44], 0.8, |[x, y, z]| {
+        let blob = |at: [f64; 3], radius: f64| {
+            let from = [x - at[0], y - at[1], z - at[2]];
+            let square: f64 = from.iter().map(|c| c * c).sum();
+            (200.0 * (1.0 - square / (radius * radius))).max(0.0)
+        };
+        (blob([30.0, 20.0, 20.0], 12.0) + blob([110.0, 15.0, 30.0], 9.0)) as u8
+    })
+}
+
+fn glow() -> TransferFunction {
+    let point = |value: f64, color: &str| ControlPoint::new(value, color.parse().unwrap());
+    let points = [point(0.0, "#00000000"), point(40.0, "#20406000"), point(80.0, "#ffc080c0")];
+    TransferFunction::new(points.into()).unwrap()
+}
+
+fn cameras(volume: &Volume<u8>) -> Vec<Camera> {
+    let bounds = volume.grid().bounds();
+    let directions =
+        [([1.0, 0.0, 0.0], None), ([0.3, -1.0, 0.4], None), ([-0.5, 0.2, 0.9], Some(40.0))];
+    let camera =
+        |(forward, fov)| Camera::framing(bounds, (forward, [0.1, 0.3, 1.0]), fov, 1.0).unwrap();
+    directions.into_iter().map(camera).collect()
+}
+
+#[test]
+fn leaps_over_what_cannot_be_seen_change_no_bit() {
+    let volume = blobs();
+    let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
+    for camera in cameras(&volume) {
+        for options in [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13)] {
+            let (plain, walked) = picture(&volume, &glow(), (&camera, 60), &options);
+            let source = (&volume.view(), Some(&bricks));
+            let (leapt, cast) =
+                raycast(source, &glow(), (&camera, size(60)), &options, &Job::default()).unwrap();
+            assert!(leapt == plain);
+            assert_eq!(
+                cast.steps + cast.steps_leapt + cast.steps_hidden,
+                walked.steps + walked.steps_hidden
+            );
+            assert!(cast.steps_leapt > cast.steps, "{cast:?}");
+            assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.5), "nothing is seen");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_makes_the_same_picture() {
+    let volume = blobs();
+    for camera in cameras(&volume) {
+        let (expected, cast) = picture(&volume, &glow(), (&camera, 50), &RaycastOptions::DEFAULT);
+        for threads in [1, 2, 7] {
+            let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
+            let job = Job { threads, ..Job::default() };
+            let found = raycast(
+                (&volume.view(), None),
+                &glow(),
+                (&camera, size(50)),
+                &RaycastOptions::DEFAULT,
+                &job,
+            );
+            assert!(found == Ok((expected.clone(), cast)));
+        }
+    }
+}
+
+#[test]
+fn a_ray_that_ends_early_is_off_by_no_more_than_what_was_left() {
+    let volume = blobs();
+    let camera = &cameras(&volume)[1];
+    let (exact, whole) = picture(&volume, &glow(), (camera, 60), &PLAIN);
+    for left in [0.25, 0.01, 1.0 / 1024.0] {
+        let options = PLAIN.with_opaque(1.0 - left);
+        let (found, cast) = picture(&volume, &glow(), (camera, 60), &options);
+        assert_eq!(cast.steps + cast.steps_hidden, whole.steps + whole.steps_hidden);
+        assert!(cast.steps_hidden > whole.steps_hidden, "{left}: {cast:?}");
+        for (found, exact) in found.pixels().iter().zip(exact.pixels()) {
+            let off = (0..3).map(|k| (found.color[k] - exact.color[k]).abs()).fold(0.0, f32::max);
+            assert!(off <= left && exact.opacity - found.opacity <= left, "{off}, {left}");
+        }
+    }
+}
+
+#[test]
+fn samples_of_every_type_and_scaling_look_the_same() {
+    fn same<T: Sample>(expected: &Image, camera: &Camera, sample: impl Fn(f64) -> T) {
+        let blobs = blobs();
+        let samples = blobs.samples().iter().map(|&byte| sample(byte.into())).collect();
+        let volume = Volume::new(*blobs.grid(), samples).unwrap();
+        assert!(picture(&volume, &glow(), (camera, 30), &RaycastOptions::DEFAULT).0 == *expected);
+    }
+    let volume = blobs();
+    let camera = &cameras(&volume)[2];
+    let expected = picture(&volume, &glow(), (camera, 30), &RaycastOptions::DEFAULT).0;
+    same(&expected, camera, |v| v as u16);
+    same(&expected, camera, |v| v as i16);
+    same(&expected, camera, |v| v as i32);
+    same(&expected, camera, |v| v as f32);
+    same(&expected, camera, |v| v);
+}
+
+#[test]
+fn what_is_not_a_number_is_not_seen_and_flat_volumes_have_no_depth() {
+    let holes = volume([9, 9, 9], 1.0, |[x, ..]| if x < 5.0 { f32::NAN } else { 60.0 });
+    let camera =
+        Camera::framing(holes.grid().bounds(), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]), None, 1.0)
+            .unwrap();
+    let transfer = opacities([0.0, 100.0], |_| 0.5);
+    let image = picture(&holes, &transfer, (&camera, 16), &RaycastOptions::DEFAULT).0;
+    // Looking along z with y up, x goes to the left.
+    assert!(image.pixel(3, 8).opacity > 0.9 && image.pixel(12, 8).opacity == 0.0);
+    let flat = volume([9, 9, 1], 1.0, |_| 60_u8);
+    let image = picture(&flat, &transfer, (&camera, 16), &RaycastOptions::DEFAULT).0;
+    assert!(image.pixels().iter().all(|pixel| pixel.opacity == 0.0));
+    let none = volume([3, 3, 3], 1.0, |_| f64::NAN);
+    let image = picture(&none, &transfer, (&camera, 4), &RaycastOptions::DEFAULT).0;
+    assert!(image.pixels().iter().all(|pixel| pixel.opacity == 0.0));
+}
+
+#[test]
+fn lengths_of_no_use_are_refused() {
+    let volume = volume([4, 4, 4], 2.0, |[x, ..]| x as f32);
+    let camera = cameras(&blobs()).remove(0);
+    let cast = |options: RaycastOptions| {
+        let view = volume.view();
+        raycast((&view, None), &glow(), (&camera, size(2)), &options, &Job::default()).unwrap_err()
+    };
+    for step in [0.0, -1.0, f64::NAN, 1e-9] {
+        let error = cast(PLAIN.with_step(step));
+        assert!(matches!(error, RaycastError::Length { what: "the step", .. }), "{error}");
+    }
+    let error = cast(PLAIN.with_unit(Some(0.0)));
+    assert!(matches!(error, RaycastError::Length { what: "the reference length", .. }), "{error}");
+    let job = Job::default();
+    job.cancel.cancel();
+    let view = volume.view();
+    assert!(raycast((&view, None), &glow(), (&camera, size(2)), &PLAIN, &job).is_err());
+}
