@@ -108,11 +108,14 @@ impl Camera {
             return Err(CameraError::NoExtent);
         }
         let distance = length(sub(at, from));
+        if !distance.is_finite() {
+            return Err(CameraError::NotFinite);
+        }
         let forward = unit(sub(at, from)).ok_or(CameraError::NoDirection)?;
         let up = unit(up).ok_or(CameraError::NoUp)?;
         let aside = cross(forward, up);
         // Nearer to each other than that, up would be what rounding makes of it.
-        if length(aside) < 1e-6 {
+        if !matches!(length(aside), 1e-6..) {
             return Err(CameraError::NoUp);
         }
         let right = unit(aside).ok_or(CameraError::NoUp)?;
@@ -124,7 +127,8 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new), and if the box is a point.
+    /// As [`new`](Self::new); if the box is a point, or in a parallel projection a line that it looks along; or if
+    /// `aspect` is not above 0.
     pub fn framing(
         bounds: Aabb,
         (forward, up): (Vector, Vector),
@@ -133,7 +137,7 @@ impl Camera {
     ) -> Result<Self, CameraError> {
         let middle: Vector = std::array::from_fn(|k| bounds.min[k].midpoint(bounds.max[k]));
         let radius = length(sub(bounds.max, middle));
-        if radius == 0.0 {
+        if radius == 0.0 || !(aspect > 0.0 && aspect.is_finite()) {
             return Err(CameraError::NoExtent);
         }
         let forward = unit(forward).ok_or(CameraError::NoDirection)?;

@@ -6,14 +6,14 @@ use isokit_geom::vector::{Vector, dot};
 /// A light at the camera, and how matt or glossy everything is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// The share of its colour that everything has without light.
+    /// The share of its colour that everything has without light. All three shares are 0 or more.
     pub ambient: f32,
     /// The share that it has in addition where it faces the light.
     pub diffuse: f32,
     /// The white that it has in addition where it mirrors the light.
     pub specular: f32,
     /// How small that highlight is.
-    pub shininess: i32,
+    pub shininess: u16,
 }
 
 impl Light {
@@ -31,7 +31,7 @@ impl Light {
         // The light is where the eye is: so is the half vector of the highlight.
         let cosine = (dot(normal, towards) / square.sqrt()).abs().min(1.0) as f32;
         let matt = self.ambient + self.diffuse * cosine;
-        let gloss = self.specular * cosine.powi(self.shininess);
+        let gloss = self.specular * cosine.powi(self.shininess.into());
         color.map(|part| (part * matt + gloss).min(1.0))
     }
 }

@@ -11,7 +11,8 @@ use isokit_mesh::Rgba;
 ///
 /// # Guarantees
 ///
-/// There is a point or more, values are finite and never fall from point to point.
+/// There is a point or more. Values are from −10³⁷ to 10³⁷, which f32 can tell apart, and never fall from point to
+/// point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     points: Vec<ControlPoint>,
@@ -44,7 +45,10 @@ pub enum TransferError {
     #[error("a transfer function has a point at least")]
     Empty,
     /// A value, colour or opacity is out of its range.
-    #[error("point {number} of the transfer function is not finite, or not from 0 to 1")]
+    #[error(
+        "point {number} of the transfer function has a value beyond 1e37, or a colour or opacity that is not \
+         from 0 to 1"
+    )]
     OutOfRange {
         /// Counted from 1.
         number: usize,
@@ -76,7 +80,7 @@ impl TransferFunction {
         for (number, point) in (1..).zip(&points) {
             let mut shares = point.color.iter().chain([&point.opacity]);
             let are_shares = shares.all(|share| (0.0..=1.0).contains(share));
-            if !(point.value.is_finite() && are_shares) {
+            if !(point.value.abs() <= 1e37 && are_shares) {
                 return Err(TransferError::OutOfRange { number });
             }
             if point.value < before {
@@ -113,79 +117,98 @@ impl TransferFunction {
         let ends = [least, greatest].map(|value| self.at(value).opacity);
         within.map(|point| point.opacity).chain(ends).fold(0.0, f32::max)
     }
-
-    /// The values from and to which anything can be seen; none if nothing can.
-    pub fn visible(&self) -> Option<[f64; 2]> {
-        let first = self.points.iter().position(|point| point.opacity > 0.0)?;
-        let last = self.points.iter().rposition(|point| point.opacity > 0.0)?;
-        // An opacity above 0 at an end goes on beyond it.
-        let least = first.checked_sub(1).map_or(f64::NEG_INFINITY, |n| self.points[n].value);
-        let greatest = self.points.get(last + 1).map_or(f64::INFINITY, |point| point.value);
-        Some([least, greatest])
-    }
 }
 
 /// A transfer function made ready for one length of step: colours, multiplied by the opacities of a step, at
-/// values side by side, between which they change linearly.
+/// values side by side, between which they change linearly. Where the function has a step, or a peak too narrow
+/// for that, it is asked itself.
 #[derive(Clone, Debug)]
-pub(crate) struct Lookup {
+pub(crate) struct Lookup<'a> {
+    function: &'a TransferFunction,
+    /// How many reference lengths a step has.
+    step: f64,
     /// The value of the first entry.
     base: f32,
     /// Entries per value.
     scale: f32,
     /// One more than there are parts.
     entries: Vec<[f32; 4]>,
+    /// Whether a part is not as good as linear.
+    is_bent: Vec<bool>,
 }
 
-/// Parts of a lookup: as many as a fine control point may ask for, few enough for the second cache.
+/// Parts of a lookup: few enough for the second cache.
 const PARTS: usize = 1 << 12;
 
-impl Lookup {
+/// By how much a colour or an opacity may be off between two entries: a quarter of what 10 bits tell apart.
+const UNSEEN: f32 = 1.0 / 4096.0;
+
+impl<'a> Lookup<'a> {
     /// For steps of so many reference lengths.
-    pub(crate) fn new(function: &TransferFunction, step: f64) -> Self {
+    pub(crate) fn new(function: &'a TransferFunction, step: f64) -> Self {
         let points = &function.points;
         let [least, greatest] = [&points[0], &points[points.len() - 1]].map(|point| point.value);
         // A little beyond both ends, where a step may be: what is farther out is as there.
         let reach = least.abs().max(greatest.abs());
-        let beyond = ((greatest - least) / 1024.0).max(reach * 1e-7).max(1e-30);
+        let beyond = ((greatest - least) / 1024.0).max(reach * 1e-6).max(1e-30);
         let base = (least - beyond) as f32;
         let width = greatest + beyond - f64::from(base);
-        let entry = |n: usize| {
-            let point = function.at(f64::from(base) + width * (n as f64 / PARTS as f64));
-            let opacity = opacity_over(point.opacity.into(), step) as f32;
-            let [r, g, b] = point.color.map(|part| part * opacity);
-            [r, g, b, opacity]
-        };
         let scale = (PARTS as f64 / width) as f32;
-        Self { base, scale, entries: (0..=PARTS).map(entry).collect() }
+        let is_bent = vec![false; PARTS];
+        let mut lookup = Self { function, step, base, scale, entries: vec![], is_bent };
+        let value = |n: usize| f64::from(base) + width * (n as f64 / PARTS as f64);
+        lookup.entries = (0..=PARTS).map(|n| lookup.over(value(n), 1.0)).collect();
+        for value in points.iter().map(|point| point.value as f32) {
+            // Of a step this side and the other.
+            let is_off = [value, value.next_down()].into_iter().any(|value| {
+                let pairs = lookup.between(value).into_iter().zip(lookup.over(value.into(), 1.0));
+                pairs.into_iter().any(|(found, exact)| (found - exact).abs() > UNSEEN)
+            });
+            if is_off {
+                let (part, _) = lookup.part(value);
+                lookup.is_bent[part.saturating_sub(1)..(part + 2).min(PARTS)].fill(true);
+            }
+        }
+        lookup
     }
 
-    /// Colour times opacity, and opacity, of a value. What is NaN is as the least value.
+    /// Colour times opacity, and opacity, of a value that is not NaN.
     #[inline(always)]
     pub(crate) fn at(&self, value: f32) -> [f32; 4] {
-        let place = self.place(value);
-        let (part, share) = self.part(place);
-        let [low, high] = [self.entries[part], self.entries[part + 1]];
-        std::array::from_fn(|n| low[n] + (high[n] - low[n]) * share)
+        match self.is_bent[self.part(value).0] {
+            false => self.between(value),
+            true => self.over(value.into(), 1.0),
+        }
+    }
+
+    /// The same over a part of a step, and as exact as the function is.
+    #[inline(never)]
+    pub(crate) fn over(&self, value: f64, part: f64) -> [f32; 4] {
+        let point = self.function.at(value);
+        let opacity = opacity_over(point.opacity.into(), part * self.step) as f32;
+        let [r, g, b] = point.color.map(|part| part * opacity);
+        [r, g, b, opacity]
     }
 
     /// Whether no value from one to another can be seen.
     pub(crate) fn is_clear(&self, ends: [f32; 2]) -> bool {
-        // What lies between them may be rounded into the next part.
-        let [first, last] = ends.map(|end| self.part(self.place(end)).0);
-        let (first, last) = (first.saturating_sub(1), (last + 2).min(PARTS));
-        self.entries[first..=last].iter().all(|entry| entry[3] == 0.0)
+        let [first, last] = ends.map(|end| self.part(end).0);
+        let entries = &self.entries[first..=last + 1];
+        entries.iter().all(|entry| entry[3] == 0.0)
+            && self.function.greatest_opacity(ends.map(f64::from)) == 0.0
     }
 
-    /// Where a value is among the entries.
     #[inline(always)]
-    fn place(&self, value: f32) -> f32 {
-        ((value - self.base) * self.scale).clamp(0.0, PARTS as f32)
+    fn between(&self, value: f32) -> [f32; 4] {
+        let (part, share) = self.part(value);
+        let [low, high] = [self.entries[part], self.entries[part + 1]];
+        std::array::from_fn(|n| low[n] + (high[n] - low[n]) * share)
     }
 
-    /// The part that a place is in, and how far in it.
+    /// The part that a value is in, and how far in it.
     #[inline(always)]
-    fn part(&self, place: f32) -> (usize, f32) {
+    fn part(&self, value: f32) -> (usize, f32) {
+        let place = ((value - self.base) * self.scale).clamp(0.0, PARTS as f32);
         let part = (place as usize).min(PARTS - 1);
         (part, place - part as f32)
     }
@@ -237,21 +260,17 @@ mod tests {
     }
 
     #[test]
-    fn what_can_be_seen_is_between_the_points_around_it() {
-        assert_eq!(hill().visible(), Some([0.0, 30.0]));
-        let rising = TransferFunction::new(vec![point(1.0, 1.0, 0.0), point(2.0, 1.0, 0.1)]);
-        assert_eq!(rising.unwrap().visible(), Some([1.0, f64::INFINITY]));
-        let nothing = TransferFunction::new(vec![point(1.0, 1.0, 0.0)]).unwrap();
-        assert_eq!(nothing.visible(), None);
-    }
-
-    #[test]
     fn points_that_are_no_function_are_refused_by_number() {
         let new = |points: &[ControlPoint]| TransferFunction::new(points.to_vec()).unwrap_err();
         assert_eq!(new(&[]), TransferError::Empty);
         let falls = new(&[point(2.0, 0.0, 0.0), point(1.0, 0.0, 0.0)]);
         assert_eq!(falls, TransferError::Falls { number: 2, value: 1.0, before: 2.0 });
-        for bad in [point(f64::NAN, 0.0, 0.0), point(0.0, 1.5, 0.0), point(0.0, 0.0, f32::NAN)] {
+        for bad in [
+            point(f64::NAN, 0.0, 0.0),
+            point(-1e300, 0.0, 0.0),
+            point(0.0, 1.5, 0.0),
+            point(0.0, 0.0, f32::NAN),
+        ] {
             let found = new(&[point(0.0, 0.0, 0.0), bad]);
             assert_eq!(found, TransferError::OutOfRange { number: 2 });
         }
@@ -259,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_lookup_is_the_function_but_for_rounding() {
-        for (factor, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e30, -1e30), (1.0, 1e4)] {
+        for (factor, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e30, -1e30), (1.0, 1e3)] {
             let place = |value: f64| value * factor + shift;
             let points = hill().points.into_iter();
             let points = points.map(|point| ControlPoint { value: place(point.value), ..point });
@@ -282,15 +301,27 @@ mod tests {
     }
 
     #[test]
-    fn a_lookup_keeps_steps_at_both_ends_of_a_function() {
-        let of = |points: &[ControlPoint]| TransferFunction::new(points.to_vec()).unwrap();
-        let one = Lookup::new(&of(&[point(100.0, 1.0, 0.0), point(100.0, 1.0, 0.5)]), 1.0);
-        assert_eq!([99.0, 100.5, f32::INFINITY].map(|value| one.at(value)[3]), [0.0, 0.5, 0.5]);
-        let points = [(0.0, 0.2), (0.0, 0.0), (9.0, 0.0), (9.0, 0.7)];
-        let both = Lookup::new(&of(&points.map(|(value, a)| point(value, 1.0, a))), 1.0);
-        assert_eq!([-0.1, 5.0, 9.1].map(|value| both.at(value)[3]), [0.2, 0.0, 0.7]);
-        assert!(
-            both.is_clear([1.0, 8.0]) && !both.is_clear([1.0, 9.5]) && !both.is_clear([-1.0, 4.0])
-        );
+    fn a_lookup_keeps_steps_to_the_value_and_peaks_however_narrow() {
+        let of = |points: &[(f64, f32)]| {
+            let points = points.iter().map(|&(value, opacity)| point(value, 1.0, opacity));
+            TransferFunction::new(points.collect()).unwrap()
+        };
+        for function in [
+            of(&[(100.0, 0.0), (100.0, 0.5)]),
+            of(&[(0.0, 0.2), (0.0, 0.0), (255.0, 0.0), (255.0, 0.7)]),
+            of(&[(0.0, 0.1), (128.0, 0.1), (128.0, 0.9), (255.0, 0.9)]),
+            of(&[(0.0, 0.0), (63.995, 0.0), (64.0, 0.8), (64.005, 0.0), (255.0, 0.0)]),
+        ] {
+            let lookup = Lookup::new(&function, 1.0);
+            for value in (-1..=256).flat_map(|n| [n as f32, (n as f32).next_down(), n as f32 + 0.5])
+            {
+                let (found, exact) = (lookup.at(value)[3], function.at(value.into()).opacity);
+                assert!((found - exact).abs() < 1e-3, "{value}: {found} for {exact}");
+            }
+        }
+        let peak = of(&[(0.0, 0.0), (6.9999, 0.0), (7.0, 0.8), (7.0001, 0.0), (31e3, 0.0)]);
+        let lookup = Lookup::new(&peak, 1.0);
+        assert!(lookup.is_clear([8.0, 30e3]) && !lookup.is_clear([7.0, 7.0]));
+        assert!(!lookup.is_clear([0.0, 8.0]));
     }
 }

@@ -1,6 +1,8 @@
 //! Bricks of which nothing can be seen.
 
+use super::march::Scale;
 use crate::transfer::Lookup;
+use isokit_lanes::Extent;
 use isokit_volume::{BrickGrid, Bricks, Sample, Scaling};
 
 /// For each brick whether none of its values can be seen.
@@ -11,12 +13,21 @@ pub(super) struct Clear {
 }
 
 impl Clear {
-    /// A value between samples is between their least and greatest, so a brick is clear if the lookup shows
-    /// nothing from there to there.
-    pub(super) fn new<T: Sample>(bricks: &Bricks<T>, scaling: Scaling, lookup: &Lookup) -> Self {
-        let is_clear = |extent: &isokit_lanes::Extent<T>| {
-            let [a, b] =
-                [extent.least, extent.greatest].map(|end| scaling.value(end.to_f64()) as f32);
+    /// A value between samples is between their least and greatest, but for the rounding of three
+    /// interpolations, one after another; so a brick is clear if the lookup shows nothing from there to there.
+    pub(super) fn new<T: Sample>(
+        bricks: &Bricks<T>,
+        scaling: Scaling,
+        lookup: &Lookup<'_>,
+    ) -> Self {
+        let scale = Scale::of(scaling);
+        let is_clear = |extent: &Extent<T>| {
+            let [least, greatest] = [extent.least, extent.greatest].map(|end| end.to_f64() as f32);
+            if least > greatest {
+                return true; // all samples are NaN
+            }
+            let slack = 8.0 * f32::EPSILON * least.abs().max(greatest.abs());
+            let [a, b] = [least - slack, greatest + slack].map(|stored| scale.value(stored));
             lookup.is_clear([a.min(b), a.max(b)])
         };
         Self { grid: *bricks.grid(), is_clear: bricks.extents().iter().map(is_clear).collect() }

@@ -1,26 +1,31 @@
 //! One ray, step by step.
 
-use super::{Cast, RaycastOptions, leap::Clear};
-use crate::{Gathered, Light, Ray, TransferFunction, gather::opacity_over, transfer::Lookup};
+use super::{Cast, MOST_STEPS, RaycastOptions, leap::Clear};
+use crate::{Gathered, Light, Ray, transfer::Lookup};
 use isokit_geom::Affine;
-use isokit_volume::{Sample, View};
+use isokit_volume::{Sample, Scaling, View};
 
 /// All that rays have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct March<'a, T> {
     view: &'a View<'a, T>,
-    transfer: &'a TransferFunction,
-    lookup: &'a Lookup,
+    lookup: &'a Lookup<'a>,
     clear: Option<&'a Clear>,
     affine: Affine,
     /// What takes a gradient in index space to the world, as columns.
     covectors: [[f64; 3]; 3],
-    /// The length of a step, and the length over which opacities are gathered, in world units.
+    /// The length of a step in world units.
     step: f64,
-    unit: f64,
     light: Option<Light>,
     opaque: f32,
-    scaling: [f32; 2],
+    scale: Scale,
+}
+
+/// What a stored sample means, in f32.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    slope: f32,
+    intercept: f32,
 }
 
 /// The way of a ray through a volume: from the first number of steps to the last, where the last may be no whole
@@ -36,24 +41,21 @@ struct Way {
 impl<'a, T: Sample> March<'a, T> {
     pub(super) fn new(
         view: &'a View<'a, T>,
-        transfer: &'a TransferFunction,
-        (lookup, clear): (&'a Lookup, Option<&'a Clear>),
-        (step, unit): (f64, f64),
+        (lookup, clear): (&'a Lookup<'a>, Option<&'a Clear>),
+        step: f64,
         options: &RaycastOptions,
     ) -> Self {
         let affine = view.frame().index_to_world;
         Self {
             view,
-            transfer,
             lookup,
             clear,
             affine,
             covectors: affine.covector_columns(),
             step,
-            unit,
             light: options.light,
             opaque: options.opaque,
-            scaling: [view.scaling().slope() as f32, view.scaling().intercept() as f32],
+            scale: Scale::of(view.scaling()),
         }
     }
 
@@ -78,12 +80,13 @@ impl<'a, T: Sample> March<'a, T> {
             }
             done.steps += 1;
             let value = self.value(cell, part);
-            let mut seen = self.lookup.at(value);
-            if (n as f64) >= whole {
-                seen = self.of_part(value, way.steps - whole);
-            }
             // What is NaN hides nothing.
-            if seen[3] > 0.0 && !value.is_nan() {
+            let seen = match (value.is_nan(), (n as f64) < whole) {
+                (true, _) => [0.0; 4],
+                (_, true) => self.lookup.at(value),
+                (_, false) => self.lookup.over(value.into(), way.steps - whole),
+            };
+            if seen[3] > 0.0 {
                 gathered = gathered.over(self.lit(seen, place, ray));
                 if gathered.opacity >= self.opaque {
                     done.steps_hidden += count - n - 1;
@@ -95,8 +98,12 @@ impl<'a, T: Sample> March<'a, T> {
         gathered
     }
 
-    /// Where a ray goes through the box from the first sample to the last.
+    /// Where a ray goes through the box from the first sample to the last. A volume of one sample along an axis has no
+    /// inside.
     fn way(&self, ray: &Ray) -> Option<Way> {
+        if self.view.dims().contains(&1) {
+            return None;
+        }
         let origin = self.affine.inverse_point(ray.origin);
         let direction = self.affine.inverse_vector(ray.direction);
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
@@ -114,7 +121,8 @@ impl<'a, T: Sample> March<'a, T> {
             far = far.min(ends[0].max(ends[1]));
         }
         let steps = (far - near) / self.step;
-        (steps > 0.0).then(|| Way {
+        // Not where a camera so far away that numbers end has made one that is no number, or no end.
+        (steps > 0.0 && steps <= 2.0 * MOST_STEPS).then(|| Way {
             start: std::array::from_fn(|k| origin[k] + near * direction[k]),
             step: direction.map(|c| c * self.step),
             steps,
@@ -129,7 +137,7 @@ impl<'a, T: Sample> March<'a, T> {
         let cell = std::array::from_fn(|k| {
             // What is below 0 becomes 0.
             let low = (place[k] as usize).min(self.view.dims()[k].saturating_sub(2));
-            part[k] = (place[k] - low as f64) as f32;
+            part[k] = ((place[k] - low as f64) as f32).clamp(0.0, 1.0);
             low
         });
         (cell, part)
@@ -138,32 +146,11 @@ impl<'a, T: Sample> March<'a, T> {
     /// The value in a cell.
     #[inline(always)]
     fn value(&self, cell: [usize; 3], [x, y, z]: [f32; 3]) -> f32 {
-        let corners = self.corners(cell);
+        let corners = self.view.cell(cell).map(|sample| sample.to_f64() as f32);
         let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
         let edge = |k: usize| mix(corners[k], corners[k + 1], x);
         let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
-        stored * self.scaling[0] + self.scaling[1]
-    }
-
-    /// The samples at the corners of a cell. Along an axis of one sample both ends are that one.
-    #[inline(always)]
-    fn corners(&self, cell: [usize; 3]) -> [f32; 8] {
-        if self.view.dims().iter().all(|&n| n > 1) {
-            return self.view.cell(cell).map(|sample| sample.to_f64() as f32);
-        }
-        std::array::from_fn(|corner| {
-            let at = |k: usize| (cell[k] + (corner >> k & 1)).min(self.view.dims()[k] - 1);
-            self.view.stored([at(0), at(1), at(2)]).to_f64() as f32
-        })
-    }
-
-    /// Colour times opacity, and opacity, of a value over a part of a step.
-    #[cold]
-    fn of_part(&self, value: f32, part: f64) -> [f32; 4] {
-        let point = self.transfer.at(value.into());
-        let opacity = opacity_over(point.opacity.into(), part * self.step / self.unit) as f32;
-        let [r, g, b] = point.color.map(|part| part * opacity);
-        [r, g, b, opacity]
+        self.scale.value(stored)
     }
 
     /// What is seen at a place, under the light.
@@ -176,7 +163,8 @@ impl<'a, T: Sample> March<'a, T> {
     }
 
     /// The gradient in the world, but for its length: by central differences of values a sample before and after
-    /// along each axis, which is what interpolating the central differences at samples gives.
+    /// along each axis, which is what interpolating the central differences at samples gives; at the border and
+    /// beside what has no value, by that of one side.
     #[inline(always)]
     fn gradient(&self, place: [f64; 3]) -> [f64; 3] {
         let dims = self.view.dims();
@@ -187,13 +175,29 @@ impl<'a, T: Sample> March<'a, T> {
                 let (cell, part) = self.cell(there);
                 (f64::from(self.value(cell, part)), there[k])
             };
-            let ((below, low), (above, high)) = (at(-1.0), at(1.0));
-            if high > low { (above - below) / (high - low) } else { 0.0 }
+            let rise = |(below, low): (f64, f64), (above, high): (f64, f64)| {
+                Some((above - below) / (high - low)).filter(|rise| rise.is_finite())
+            };
+            let (before, after) = (at(-1.0), at(1.0));
+            let one_sided = || rise(before, at(0.0)).or_else(|| rise(at(0.0), after));
+            rise(before, after).or_else(one_sided).unwrap_or(0.0)
         });
         let columns = &self.covectors;
         std::array::from_fn(|k| {
             columns[0][k] * part[0] + columns[1][k] * part[1] + columns[2][k] * part[2]
         })
+    }
+}
+
+impl Scale {
+    pub(super) fn of(scaling: Scaling) -> Self {
+        Self { slope: scaling.slope() as f32, intercept: scaling.intercept() as f32 }
+    }
+
+    /// The value of a stored sample. Rounding keeps order: it never falls where samples rise, or never rises.
+    #[inline(always)]
+    pub(super) fn value(self, stored: f32) -> f32 {
+        stored * self.slope + self.intercept
     }
 }
 

@@ -1,10 +1,15 @@
 //! Closed forms, and pictures that must be equal.
 
 use super::{RaycastError, RaycastOptions, raycast};
-use crate::{Camera, Cast, ControlPoint, Image, Projection, Size, TransferFunction};
-use isokit_geom::{Affine, Frame};
+use crate::{
+    Camera, CameraError, Cast, ControlPoint, Image, Light, Projection, Size, TransferFunction,
+};
+use isokit_geom::{
+    Affine, Frame,
+    vector::{dot, length},
+};
 use isokit_job::{Job, Threads};
-use isokit_volume::{Bricks, Grid, Sample, Volume};
+use isokit_volume::{Bricks, Grid, Sample, Scaling, Volume};
 use std::num::{NonZeroU32, NonZeroUsize};
 
 const PLAIN: RaycastOptions = RaycastOptions::DEFAULT.with_light(None).with_opaque(1.0);
@@ -80,7 +85,7 @@ fn order(errors: &[f64]) -> f64 {
 }
 
 #[test]
-fn of_a_ramp_the_error_falls_with_the_square_of_the_step() {
+fn a_ramp_gathers_its_closed_form_at_any_step() {
     // σ = k x: 1 − e^(−k L² / 2).
     let (k, length) = (0.02_f64, 16.0_f64);
     let ramp = volume([3, 3, 17], 1.0, |[_, _, z]| z as f32);
@@ -94,7 +99,9 @@ fn of_a_ramp_the_error_falls_with_the_square_of_the_step() {
             (through(&volume, &transfer, &PLAIN.with_step(step).with_unit(Some(1.0)))[1] - exact)
                 .abs()
         };
-        assert!(off(0.25) < 2e-4, "{}", off(0.25));
+        for step in [0.5, 0.25, 0.125] {
+            assert!(off(step) < 2e-4, "{step}: {}", off(step));
+        }
     }
 }
 
@@ -267,7 +274,7 @@ fn lengths_of_no_use_are_refused() {
         let view = volume.view();
         raycast((&view, None), &glow(), (&camera, size(2)), &options, &Job::default()).unwrap_err()
     };
-    for step in [0.0, -1.0, f64::NAN, 1e-9] {
+    for step in [0.0, -1.0, f64::NAN, 1e-9, f64::INFINITY] {
         let error = cast(PLAIN.with_step(step));
         assert!(matches!(error, RaycastError::Length { what: "the step", .. }), "{error}");
     }
@@ -277,4 +284,71 @@ fn lengths_of_no_use_are_refused() {
     job.cancel.cancel();
     let view = volume.view();
     assert!(raycast((&view, None), &glow(), (&camera, size(2)), &PLAIN, &job).is_err());
+}
+
+#[test]
+fn bricks_change_no_bit_whatever_samples_mean() {
+    // Values far below those that are seen, in one brick with them; and a function that begins just above a brick's
+    // greatest value.
+    let filled = volume([150, 20, 20], 1.0, |[x, y, z]| {
+        let wave = (0.3 * x).sin() + (0.4 * y).cos() * (0.5 * z).sin();
+        if (x as u32 / 9).is_multiple_of(3) { -32768.0 } else { wave as f32 * 0.3 }
+    });
+    for (slope, intercept) in [(1.0, 0.0), (-0.1, 3.0), (0.1, -3276.8), (2.0, 1e4)] {
+        let scaling = Scaling::new(slope, intercept).unwrap();
+        let volume = filled.clone().with_scaling(scaling);
+        let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
+        let value = |stored: f64| scaling.value(stored);
+        let mut ends = [value(0.2), value(0.4), value(0.5)];
+        ends.sort_by(f64::total_cmp);
+        let points = ends.iter().zip([0.0, 0.3, 0.0]);
+        let points =
+            points.map(|(&value, opacity)| ControlPoint { value, color: [1.0; 3], opacity });
+        let transfer = TransferFunction::new(points.collect()).unwrap();
+        let camera = cameras(&blobs()).remove(1);
+        let plain = picture(&volume, &transfer, (&camera, 40), &RaycastOptions::DEFAULT).0;
+        let source = (&volume.view(), Some(&bricks));
+        let options = RaycastOptions::DEFAULT;
+        let found = raycast(source, &transfer, (&camera, size(40)), &options, &Job::default());
+        assert!(found.unwrap().0 == plain, "{slope}, {intercept}");
+        assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.1), "{slope}: nothing is seen");
+    }
+}
+
+#[test]
+fn a_camera_where_numbers_end_sees_nothing_and_comes_back() {
+    let volume = blobs();
+    let parallel = |height| Projection::Parallel { height };
+    let far = Camera::new([1e150, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], parallel(1.0)).unwrap();
+    let wide = Camera::new([9.0; 3], [0.0; 3], [0.0, 0.0, 1.0], parallel(1e308)).unwrap();
+    for camera in [far, wide] {
+        picture(&volume, &glow(), (&camera, 3), &RaycastOptions::DEFAULT);
+    }
+    let beyond = Camera::new([1e308; 3], [-1e308; 3], [0.0, 0.0, 1.0], parallel(1.0));
+    assert_eq!(beyond, Err(CameraError::NotFinite));
+}
+
+#[test]
+fn a_sheared_and_mirrored_lattice_is_lit_by_its_normals_in_the_world() {
+    let columns = [[0.7, 0.2, 0.0], [0.1, -0.6, 0.0], [0.2, 0.1, 1.3]];
+    let affine = Affine::new(columns, [3.0, -2.0, 1.0]).unwrap();
+    let slope = [0.3, -0.2, 0.6];
+    let frame = Frame { index_to_world: affine, ..Frame::default() };
+    let grid = Grid::new([12, 13, 11], frame).unwrap();
+    let value = |n: u64| {
+        let place = affine.point([n % 12, n / 12 % 13, n / 156].map(|i| i as f64));
+        (0..3).map(|k| slope[k] * place[k]).sum::<f64>()
+    };
+    let volume = Volume::new(grid, (0..grid.count()).map(value).collect::<Vec<f64>>()).unwrap();
+    let transfer = opacities([-100.0, 100.0], |_| 0.4);
+    let light = Light { specular: 0.0, ..Light::DEFAULT };
+    let options = RaycastOptions::DEFAULT.with_light(Some(light));
+    for forward in [[0.0, 1.0, 0.0], [-0.4, 0.2, 0.8], [1.0, 1.0, -1.0]] {
+        let camera = Camera::framing(grid.bounds(), (forward, [0.0, 0.1, 1.0]), None, 1.0).unwrap();
+        let pixel = picture(&volume, &transfer, (&camera, 9), &options).0.pixel(4, 4);
+        let cosine = dot(slope, forward).abs() / (length(slope) * length(forward));
+        let expected = 0.5 * (0.25 + 0.75 * cosine);
+        let found = f64::from(pixel.straight()[0]);
+        assert!((found - expected).abs() < 1e-4, "{forward:?}: {found} for {expected}");
+    }
 }
