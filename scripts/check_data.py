@@ -97,6 +97,7 @@ def reference_checks(isokit: Isokit, data: Path, folder: Path, line: Reference) 
     try:
         bare = folder / f"{stem}_open.ply"
         table_options = ("--topology", "table", "--boundary", "open", "--degenerate", "exact")
+        table_options += ("--placement", "linear")
         report = isokit.extract(data / line.path, bare, *common, *table_options)
         check_table(record, subject, line, bare, report["surfaces"][0])
         bare.unlink()
