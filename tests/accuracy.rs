@@ -11,7 +11,10 @@ use isokit::{
     mesh::{Precision, TriMesh, topology},
     volume::{Grid, Volume},
 };
-use isokit_tests::fields::{self, Field, gradient};
+use isokit_tests::{
+    chance::Chance,
+    fields::{self, Field, gradient},
+};
 
 /// Samples along each axis of the cube from −1 to 1.
 const GRIDS: [u64; 4] = [41, 57, 81, 113];
@@ -103,6 +106,22 @@ fn a_gyroid_that_leaves_through_the_border() {
 #[test]
 fn waves_that_leave_through_the_border() {
     check("waves", &fields::waves());
+}
+
+/// What is said of them, so that whoever measures areas of noisy scans may place linearly.
+#[test]
+fn in_noise_a_longer_stencil_makes_a_rougher_surface() {
+    let smooth = volume(&fields::sphere(0.7), 57);
+    let mut chance = Chance::new(3);
+    let noise = smooth.samples().iter().map(|value| value + 0.02 * (chance.unit() - 0.5));
+    let noisy = Volume::new(*smooth.grid(), noise.collect::<Vec<f64>>()).unwrap();
+    let [linear, cubic, quintic] =
+        [Placement::Linear, Placement::Cubic, Placement::Quintic].map(|placement| {
+            let options = ExtractOptions::DEFAULT.with_placement(placement);
+            let mesh = extract(&noisy.view(), 0.0, &options, &Job::default()).unwrap();
+            topology(&mesh, &Job::default()).unwrap().measure.area
+        });
+    assert!(linear < cubic && cubic < quintic, "{linear}, {cubic}, {quintic}");
 }
 
 #[test]

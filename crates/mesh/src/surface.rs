@@ -38,13 +38,17 @@ impl Rgba {
 
     /// The colour whose linear light this is.
     pub fn from_linear([r, g, b, a]: [f32; 4]) -> Self {
-        let encoded = |l: f64| match l <= 0.003_130_8 {
-            true => l * 12.92,
-            false => 1.055 * l.powf(1.0 / 2.4) - 0.055,
-        };
         let byte = |s: f64| (s * 255.0).round().clamp(0.0, 255.0) as u8;
-        let [r, g, b] = [r, g, b].map(|c| byte(encoded(c.into())));
+        let [r, g, b] = [r, g, b].map(|c| byte(srgb_of_linear(c.into())));
         Self([r, g, b, byte(a.into())])
+    }
+}
+
+/// The sRGB code of linear light, both from 0 to 1 (IEC 61966-2-1).
+pub fn srgb_of_linear(light: f64) -> f64 {
+    match light <= 0.003_130_8 {
+        true => light * 12.92,
+        false => 1.055 * light.powf(1.0 / 2.4) - 0.055,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::Gathered;
 use isokit_job::{Limits, OverLimit};
+use isokit_mesh::srgb_of_linear;
 use std::num::NonZeroU32;
 
 /// How many pixels a picture has.
@@ -84,20 +85,10 @@ impl Image {
                 Background::Color(color) => (pixel.over(Gathered::new(color, 1.0)).color, 1.0),
                 Background::Transparent => (pixel.straight(), pixel.opacity),
             };
-            let [r, g, b] = color.map(|part| srgb(part.clamp(0.0, 1.0)));
+            let [r, g, b] = color.map(|part| srgb_of_linear(part.clamp(0.0, 1.0).into()) as f32);
             [r, g, b, opacity.clamp(0.0, 1.0)]
         })
     }
-}
-
-/// The sRGB code, from 0 to 1, of linear light from 0 to 1.
-fn srgb(linear: f32) -> f32 {
-    let linear = f64::from(linear);
-    let code = match linear <= 0.003_130_8 {
-        true => linear * 12.92,
-        false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
-    };
-    code as f32
 }
 
 #[cfg(test)]

@@ -119,7 +119,7 @@ pub enum RaycastError {
     Stopped(#[from] Stopped),
 }
 
-/// The most steps of one ray: beyond, they are as short as what f32 tells apart.
+/// The most steps that fit along the three edges of a volume. No ray through it has more, but for rounding.
 const MOST_STEPS: f64 = 1e6;
 
 /// The picture of a volume: its values through a transfer function. Bricks are of use if they are those of the
@@ -138,48 +138,49 @@ pub fn raycast<T: Sample>(
     options: &RaycastOptions,
     job: &Job,
 ) -> Result<(Image, Cast), RaycastError> {
-    exactly(|| cast((view, bricks), transfer, (camera, size), options, job))
+    let (step, unit) = lengths(view, options)?;
+    let mut image = Image::new(size, &job.limits).map_err(Stopped::from)?;
+    let width = size.width.get() as usize;
+    job.progress.begin("render", u64::from(size.height.get()));
+    let done = exactly(|| {
+        let lookup = Lookup::new(transfer, step / unit);
+        let bricks = bricks.filter(|bricks| bricks.grid().dims() == view.dims());
+        let clear = bricks.map(|bricks| Clear::new(bricks, view.scaling(), &lookup));
+        let march = March::new(view, (&lookup, clear.as_ref()), step, options);
+        let row = |(row, pixels): (usize, &mut [Gathered])| {
+            exactly(|| {
+                job.check()?;
+                let mut done = Cast::default();
+                for (column, pixel) in pixels.iter_mut().enumerate() {
+                    *pixel = march.along(&ray_of(camera, size, [column, row]), &mut done);
+                }
+                job.progress.advance(1);
+                Ok(done)
+            })
+        };
+        let rows = image.pixels_mut().par_chunks_mut(width).enumerate();
+        // Sums of whole numbers are the same in any order.
+        let both = |a: Cast, b: Cast| Ok::<_, Stopped>(a.with(b));
+        job.threads.run(|| rows.map(row).try_reduce(Cast::default, both))
+    })?;
+    Ok((image, done))
 }
 
-fn cast<T: Sample>(
-    (view, bricks): (&View<'_, T>, Option<&Bricks<T>>),
-    transfer: &TransferFunction,
-    (camera, size): (&Camera, Size),
+/// The length of a step, and that over which opacities are gathered, in world units.
+fn lengths<T: Sample>(
+    view: &View<'_, T>,
     options: &RaycastOptions,
-    job: &Job,
-) -> Result<(Image, Cast), RaycastError> {
-    let affine = view.frame().index_to_world;
-    let spacing = affine.spacing().into_iter().fold(f64::INFINITY, f64::min);
-    let (step, unit) = (options.step * spacing, options.unit.unwrap_or(spacing));
-    let across: f64 = (0..3).map(|axis| view.dims()[axis] as f64 * affine.spacing()[axis]).sum();
+) -> Result<(f64, f64), RaycastError> {
+    let spacing = view.frame().index_to_world.spacing();
+    let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
+    let (step, unit) = (options.step * smallest, options.unit.unwrap_or(smallest));
+    let across: f64 = (0..3).map(|axis| view.dims()[axis] as f64 * spacing[axis]).sum();
     for (what, value) in [("the step", step), ("the reference length", unit)] {
         if !(value > 0.0 && value.is_finite() && across / value <= MOST_STEPS) {
             return Err(RaycastError::Length { what, value, most: MOST_STEPS });
         }
     }
-    let mut image = Image::new(size, &job.limits).map_err(Stopped::from)?;
-    let lookup = Lookup::new(transfer, step / unit);
-    let bricks = bricks.filter(|bricks| bricks.grid().dims() == view.dims());
-    let clear = bricks.map(|bricks| Clear::new(bricks, view.scaling(), &lookup));
-    let march = March::new(view, (&lookup, clear.as_ref()), step, options);
-    let width = size.width.get() as usize;
-    job.progress.begin("render", u64::from(size.height.get()));
-    let row = |(row, pixels): (usize, &mut [Gathered])| {
-        exactly(|| {
-            job.check()?;
-            let mut done = Cast::default();
-            for (column, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = march.along(&ray_of(camera, size, [column, row]), &mut done);
-            }
-            job.progress.advance(1);
-            Ok(done)
-        })
-    };
-    let rows = image.pixels_mut().par_chunks_mut(width).enumerate();
-    // Sums of whole numbers are the same in any order.
-    let both = |a: Cast, b: Cast| Ok::<_, Stopped>(a.with(b));
-    let done = job.threads.run(|| rows.map(row).try_reduce(Cast::default, both))?;
-    Ok((image, done))
+    Ok((step, unit))
 }
 
 /// The ray through the middle of a pixel, by column from the left and row from the top.

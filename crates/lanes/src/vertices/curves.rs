@@ -12,7 +12,7 @@
 use super::{
     Field, Kernel, Vertices,
     around::Batch,
-    normals::{CentralNormals, MatchingNormals},
+    normals::Normals,
     roots::{Roots, Search},
     wide::{BATCH, Mask, Task, Wide, run_at},
 };
@@ -125,17 +125,8 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
         let kernel = &kernel;
-        match gradient {
-            Gradient::Central => {
-                run_at(level, CentralNormals { kernel, first, lines, normals, left: &mut left })
-            }
-            Gradient::Matching => {
-                run_at(
-                    level,
-                    MatchingNormals { kernel, first, pairs, lines, normals, left: &mut left },
-                );
-            }
-        }
+        let left_here = &mut left;
+        run_at(level, Normals { kernel, first, gradient, pairs, lines, normals, left: left_here });
         for (number, line) in lines.iter().enumerate() {
             let at = number * BATCH;
             for n in set_bits(left[number] & !line.is_odd, count - at) {

@@ -6,13 +6,11 @@
 //! line: for the part along the edge between samples that they share, for those across between samples beside it.
 //! Differences are made in the type that holds samples exactly, and are f64 from there on.
 //!
-//! They take their time: of the gyroid at 256 samples a side, on quintics, in fresh memory, the surface took 76 ms
-//! with central ones and 290 ms with the others (`examples/bench` of `marching-cubes`, AMD EPYC, AVX2, one thread,
-//! November 2026).
+//! They take their time: the rows `modes` of `scripts/bench` say how much on scans.
 
 use super::{
     Kernel,
-    curves::{Line, Stencil},
+    curves::{Gradient, Line, Stencil},
     wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
 use crate::Lane;
@@ -31,39 +29,13 @@ const SLOPES: [[[f64; MOST]; MOST]; 2] = [
     [[30.0, 0.0, 0.0], [10.0, -5.0, 0.0], [5.0, -4.0, 1.0]],
 ];
 
-/// Makes the normals of the batches from edge `first` on, where their lines are crossed, from differences over two
-/// steps at both ends of each edge. Those that are no unit vector are left.
-pub(super) struct CentralNormals<'l, 'b, 'a, T> {
+/// Makes the normals of the batches from edge `first` on, where their lines are crossed. Those that are no unit
+/// vector are left; matching ones also of edges so near to the border that a slope is one-sided.
+pub(super) struct Normals<'l, 'b, 'a, T> {
     pub(super) kernel: &'l Kernel<'b, 'a, T>,
     pub(super) first: usize,
-    pub(super) lines: &'l [Line],
-    pub(super) normals: &'l mut [[f32; 3]],
-    /// The bits of those that are left, by batches.
-    pub(super) left: &'l mut [u16],
-}
-
-impl<T: Lane> Task for CentralNormals<'_, '_, '_, T> {
-    #[inline(always)]
-    fn run<W: Wide>(self, wide: W) {
-        let Self { kernel, first, lines, normals, left } = self;
-        let mut directions = [[0.0; 3]; BATCH];
-        for (number, normals) in normals.chunks_mut(BATCH).enumerate() {
-            let batch = kernel.ends(wide, first + number * BATCH);
-            let around = kernel.around(wide, &batch, true);
-            let share = wide.f64_to_f32(wide.f64(0.5) + wide.load_f64(&lines[number].delta));
-            left[number] = kernel.write_normals(wide, around.differences, share, &mut directions);
-            // The last batch may have less room than it has numbers.
-            normals.copy_from_slice(&directions[..normals.len()]);
-        }
-    }
-}
-
-/// Makes the normals of the batches from edge `first` on, where their lines are crossed. Those of edges so near
-/// to the border that a slope is one-sided are left, and those that are no unit vector.
-pub(super) struct MatchingNormals<'l, 'b, 'a, T> {
-    pub(super) kernel: &'l Kernel<'b, 'a, T>,
-    pub(super) first: usize,
-    /// The samples to either side of one that a slope is made from, 2 or 3: as many pairs around an edge too.
+    pub(super) gradient: Gradient,
+    /// The samples to either side of one that a matching slope is made from, 2 or 3: as many pairs around an edge too.
     pub(super) pairs: usize,
     pub(super) lines: &'l [Line],
     pub(super) normals: &'l mut [[f32; 3]],
@@ -71,15 +43,18 @@ pub(super) struct MatchingNormals<'l, 'b, 'a, T> {
     pub(super) left: &'l mut [u16],
 }
 
-impl<T: Lane> Task for MatchingNormals<'_, '_, '_, T> {
+impl<T: Lane> Task for Normals<'_, '_, '_, T> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let Self { kernel, first, pairs, lines, normals, left } = self;
+        let Self { kernel, first, gradient, pairs, lines, normals, left } = self;
         let mut directions = [[0.0; 3]; BATCH];
         for (number, normals) in normals.chunks_mut(BATCH).enumerate() {
             let first = first + number * BATCH;
             let delta = wide.load_f64(&lines[number].delta);
-            left[number] = kernel.turn(wide, first, pairs, delta, &mut directions);
+            left[number] = match gradient {
+                Gradient::Central => kernel.mix(wide, first, delta, &mut directions),
+                Gradient::Matching => kernel.turn(wide, first, pairs, delta, &mut directions),
+            };
             // The last batch may have less room than it has numbers.
             normals.copy_from_slice(&directions[..normals.len()]);
         }
@@ -87,7 +62,22 @@ impl<T: Lane> Task for MatchingNormals<'_, '_, '_, T> {
 }
 
 impl<T: Lane> Kernel<'_, '_, T> {
-    /// The normals of the batch that begins with edge `first`; the bits of those that are left.
+    /// The normals of the batch that begins with edge `first`, from differences over two steps at both ends of each
+    /// edge; the bits of those that are left.
+    #[inline(always)]
+    fn mix<W: Wide>(
+        &self,
+        wide: W,
+        first: usize,
+        delta: W::F64,
+        normals: &mut [[f32; 3]; BATCH],
+    ) -> u16 {
+        let around = self.around(wide, &self.ends(wide, first), true);
+        let share = wide.f64_to_f32(wide.f64(0.5) + delta);
+        self.write_normals(wide, around.differences, share, normals)
+    }
+
+    /// The normals of the batch that begins with edge `first`, of the curve's order; the bits of those that are left.
     #[inline(always)]
     fn turn<W: Wide>(
         &self,

@@ -66,6 +66,16 @@ fn rays_are_of_length_one_and_lead_to_what_they_show() {
 }
 
 #[test]
+fn the_upper_edge_is_half_of_the_angle_or_of_the_height_away() {
+    let new = |projection| Camera::new([0.0; 3], [0.0, 5.0, 0.0], [0.0, 0.0, 1.0], projection);
+    let perspective = new(Projection::Perspective { fov: 50.0 }).unwrap();
+    let cosine = dot(perspective.ray([0.0, 1.0]).direction, perspective.forward());
+    assert!((cosine.acos().to_degrees() - 25.0).abs() < 1e-9);
+    let parallel = new(Projection::Parallel { height: 8.0 }).unwrap();
+    assert_eq!(parallel.ray([0.0, 1.0]).origin, [0.0, 0.0, 4.0]);
+}
+
+#[test]
 fn seen_from_a_side_the_body_is_the_right_way_around() {
     for space in [Space::Ras, Space::Lps] {
         // Where the body's right, front and head are.

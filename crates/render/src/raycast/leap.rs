@@ -22,10 +22,8 @@ impl Clear {
     ) -> Self {
         let scale = Scale::of(scaling);
         let is_clear = |extent: &Extent<T>| {
-            let [least, greatest] = [extent.least, extent.greatest].map(|end| end.to_f64() as f32);
-            if least > greatest {
-                return true; // all samples are NaN
-            }
+            let Some(range) = extent.range() else { return true }; // all samples are NaN
+            let [least, greatest] = range.map(|end| end.to_f64() as f32);
             let slack = 8.0 * f32::EPSILON * least.abs().max(greatest.abs());
             let [a, b] = [least - slack, greatest + slack].map(|stored| scale.value(stored));
             lookup.is_clear([a.min(b), a.max(b)])

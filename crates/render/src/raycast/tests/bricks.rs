@@ -1,0 +1,67 @@
+//! With bricks and without them a picture is the same, bit for bit.
+
+use super::{PLAIN, blobs, cameras, glow, picture, size, volume};
+use crate::{ControlPoint, RaycastOptions, TransferFunction, raycast};
+use isokit_job::Job;
+use isokit_volume::{Bricks, Scaling};
+
+#[test]
+fn leaps_over_what_cannot_be_seen_change_no_bit() {
+    let volume = blobs();
+    let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
+    for camera in cameras(&volume) {
+        for options in [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13)] {
+            let (plain, walked) = picture(&volume, &glow(), (&camera, 60), &options);
+            let source = (&volume.view(), Some(&bricks));
+            let (leapt, cast) =
+                raycast(source, &glow(), (&camera, size(60)), &options, &Job::default()).unwrap();
+            assert!(leapt == plain);
+            assert_eq!(
+                cast.steps + cast.steps_leapt + cast.steps_hidden,
+                walked.steps + walked.steps_hidden
+            );
+            assert!(cast.steps_leapt > cast.steps, "{cast:?}");
+            assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.5), "nothing is seen");
+        }
+    }
+}
+
+#[test]
+fn bricks_of_another_volume_are_left_aside() {
+    let (volume, other) = (blobs(), volume([9, 9, 9], 1.0, |_| 0_u8));
+    let bricks = Bricks::of(&other.view(), &Job::default()).unwrap();
+    let camera = &cameras(&volume)[1];
+    let (expected, _) = picture(&volume, &glow(), (camera, 20), &PLAIN);
+    let source = (&volume.view(), Some(&bricks));
+    let found = raycast(source, &glow(), (camera, size(20)), &PLAIN, &Job::default()).unwrap();
+    assert!(found.0 == expected && found.1.steps_leapt == 0);
+}
+
+#[test]
+fn bricks_change_no_bit_whatever_samples_mean() {
+    // Values far below those that are seen, in one brick with them; and a function that begins just above a brick's
+    // greatest value.
+    let filled = volume([150, 20, 20], 1.0, |[x, y, z]| {
+        let wave = (0.3 * x).sin() + (0.4 * y).cos() * (0.5 * z).sin();
+        if (x as u32 / 9).is_multiple_of(3) { -32768.0 } else { wave as f32 * 0.3 }
+    });
+    for (slope, intercept) in [(1.0, 0.0), (-0.1, 3.0), (0.1, -3276.8), (2.0, 1e4)] {
+        let scaling = Scaling::new(slope, intercept).unwrap();
+        let volume = filled.clone().with_scaling(scaling);
+        let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
+        let value = |stored: f64| scaling.value(stored);
+        let mut ends = [value(0.2), value(0.4), value(0.5)];
+        ends.sort_by(f64::total_cmp);
+        let points = ends.iter().zip([0.0, 0.3, 0.0]);
+        let points =
+            points.map(|(&value, opacity)| ControlPoint { value, color: [1.0; 3], opacity });
+        let transfer = TransferFunction::new(points.collect()).unwrap();
+        let camera = cameras(&blobs()).remove(1);
+        let plain = picture(&volume, &transfer, (&camera, 40), &RaycastOptions::DEFAULT).0;
+        let source = (&volume.view(), Some(&bricks));
+        let options = RaycastOptions::DEFAULT;
+        let found = raycast(source, &transfer, (&camera, size(40)), &options, &Job::default());
+        assert!(found.unwrap().0 == plain, "{slope}, {intercept}");
+        assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.1), "{slope}: nothing is seen");
+    }
+}
