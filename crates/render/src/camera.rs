@@ -173,6 +173,11 @@ impl Camera {
         self.from
     }
 
+    /// How far away the place is that it looks at.
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
     /// Where it looks: of length 1.
     pub fn forward(&self) -> Vector {
         self.forward
@@ -181,6 +186,27 @@ impl Camera {
     /// How rays lie to each other.
     pub fn projection(&self) -> Projection {
         self.projection
+    }
+
+    /// A place as the camera sees it: how far to the right, up, and ahead of the camera it is.
+    #[inline]
+    pub fn view(&self, place: Vector) -> Vector {
+        self.turned(sub(place, self.from))
+    }
+
+    /// The parts of a direction to the right, up and ahead.
+    #[inline]
+    pub fn turned(&self, direction: Vector) -> Vector {
+        [self.right, self.up, self.forward].map(|axis| dot(direction, axis))
+    }
+
+    /// How far from the middle of the picture, in halves of its height, a place is seen that is 1 aside: in a
+    /// perspective, of one that is 1 ahead.
+    pub fn magnification(&self) -> f64 {
+        match self.projection {
+            Projection::Parallel { height } => 2.0 / height,
+            Projection::Perspective { fov } => 1.0 / (fov.to_radians() / 2.0).tan(),
+        }
     }
 
     /// The ray of a point of the picture: `x` from −`aspect` at the left edge to `aspect`, `y` from −1 at the

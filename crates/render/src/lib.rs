@@ -49,6 +49,7 @@ mod gather;
 mod image;
 mod light;
 mod png;
+mod raster;
 mod raycast;
 mod transfer;
 
@@ -57,5 +58,6 @@ pub use gather::{Gathered, opacity_over};
 pub use image::{Background, Image, Size};
 pub use light::Light;
 pub use png::{Depth, PngError, write_png};
+pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
 pub use raycast::{Cast, RaycastError, RaycastOptions, raycast};
 pub use transfer::{ControlPoint, TransferError, TransferFunction};

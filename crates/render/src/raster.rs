@@ -1,0 +1,208 @@
+//! Pictures of meshes: any number of surfaces, opaque or translucent, cut by planes, with smooth edges.
+//!
+//! 1. Vertices are seen as the camera does (`screen.rs`): a place in the picture in 1/256 of a pixel, and a depth.
+//! 2. Triangles are put into tiles of the picture (`bins.rs`). One that crosses a plane, or comes too near the
+//!    camera, is cut first, in space (`cut.rs`).
+//! 3. A tile finds for each of its points, several in a pixel, the nearest opaque triangle and all translucent ones
+//!    before it (`tile.rs`). Whole numbers decide: two triangles with a common side never share a point of
+//!    it, and leave none out.
+//! 4. What is seen at a point is sorted by depth, exactly, whatever the order of triangles (Carpenter 1984, "The
+//!    A-buffer, an antialiased hidden surface method"), and gathered front to back; a pixel is the mean of its
+//!    points (`resolve.rs`). Only what is seen is lit: once for each pixel and triangle.
+//!
+//! Triangles that meet at the same depth are in the order of their surfaces, and of their numbers within. Cells of
+//! the mesh that intersect each other are sorted point by point too.
+
+mod bins;
+mod cut;
+mod resolve;
+mod screen;
+mod tile;
+
+use crate::{Camera, Gathered, Image, Light, Size};
+use bins::Bins;
+use isokit_geom::{HalfSpace, vector::Vector};
+use isokit_job::{Job, OverLimit, Stopped};
+use isokit_lanes::exactly;
+use isokit_mesh::TriMesh;
+use rayon::prelude::*;
+use resolve::Resolve;
+use screen::Viewport;
+use tile::{TILE, Tile};
+
+/// A surface of a picture.
+#[derive(Clone, Copy)]
+pub struct Painted<'a> {
+    /// Its triangles. Those that name a vertex that is not there, or is not finite, are left out.
+    pub mesh: &'a TriMesh,
+    /// Its colour.
+    pub paint: Paint<'a>,
+    /// How much of what is behind it one of its triangles hides, from 0 to 1.
+    pub opacity: f32,
+    /// What is kept of it: what is in all of these.
+    pub clips: &'a [HalfSpace],
+}
+
+/// Which colour places have, in linear light, not multiplied by an opacity.
+#[derive(Clone, Copy)]
+pub enum Paint<'a> {
+    /// One.
+    Plain([f32; 3]),
+    /// One of each place of the world, whatever the triangles: a solid texture (Peachey 1985, "Solid texturing of
+    /// complex surfaces"; Perlin 1985, "An image synthesizer").
+    Solid(&'a (dyn Fn(Vector) -> [f32; 3] + Sync)),
+}
+
+/// What closes the hole that a plane cuts.
+#[derive(Clone, Copy)]
+pub struct Cap<'a> {
+    /// The plane.
+    pub half: HalfSpace,
+    /// What is seen at a place on it: nothing outside of what was cut.
+    pub look: &'a (dyn Fn(Vector) -> Gathered + Sync),
+}
+
+/// How surfaces are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RasterOptions {
+    /// How surfaces are lit; `None` leaves colours as they are. Changes the picture. Default: [`Light::DEFAULT`].
+    pub light: Option<Light>,
+    /// How many points of a pixel are looked at. Changes the edges of surfaces. Default: [`Smoothing::Four`].
+    pub smoothing: Smoothing,
+}
+
+/// How many points of a pixel are looked at: no two of them in a line with an edge of the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Smoothing {
+    /// Its middle: edges are jagged.
+    None,
+    /// Four, for displays.
+    #[default]
+    Four,
+    /// Sixteen, for print.
+    Sixteen,
+}
+
+impl RasterOptions {
+    /// The defaults named above.
+    pub const DEFAULT: Self = Self { light: Some(Light::DEFAULT), smoothing: Smoothing::Four };
+
+    /// The same options with another `light`.
+    pub const fn with_light(mut self, light: Option<Light>) -> Self {
+        self.light = light;
+        self
+    }
+
+    /// The same options with another `smoothing`.
+    pub const fn with_smoothing(mut self, smoothing: Smoothing) -> Self {
+        self.smoothing = smoothing;
+        self
+    }
+}
+
+impl Default for RasterOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// What was computed for a picture, and what was not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// Triangles that are in the picture, those behind others too.
+    pub triangles: u64,
+    /// Triangles beside the picture, cut away, as thin as a line, or of surfaces that cannot be seen.
+    pub triangles_skipped: u64,
+    /// How often a triangle was lit in a pixel.
+    pub lit: u64,
+    /// Points of translucent triangles that lie behind what is as good as opaque.
+    pub hidden: u64,
+}
+
+impl Drawn {
+    fn with(self, other: Self) -> Self {
+        Self {
+            triangles: self.triangles + other.triangles,
+            triangles_skipped: self.triangles_skipped + other.triangles_skipped,
+            lit: self.lit + other.lit,
+            hidden: self.hidden + other.hidden,
+        }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RasterError {
+    /// The caller's choice: larger than places in the picture are numbered.
+    #[error("a picture of {} by {} pixels: {MOST_PIXELS} are the most on a side", .0.width, .0.height)]
+    Size(Size),
+    /// There are more triangles than 32 bits number.
+    #[error("{0} triangles in one picture are more than 32 bits can number")]
+    Triangles(u64),
+    /// The job was cancelled, or allows less memory.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl From<OverLimit> for RasterError {
+    fn from(error: OverLimit) -> Self {
+        Self::Stopped(error.into())
+    }
+}
+
+/// The most pixels on a side of a picture.
+const MOST_PIXELS: u32 = 1 << 16;
+
+/// The picture of some surfaces and of the caps of what was cut away from them.
+///
+/// It is the same, byte for byte, for any number of threads.
+///
+/// # Errors
+///
+/// If the picture has more than 65,536 pixels on a side; if the surfaces have more than 2³² triangles; if the job is
+/// cancelled or does not allow the memory.
+pub fn rasterize(
+    surfaces: &[Painted<'_>],
+    caps: &[Cap<'_>],
+    (camera, size): (&Camera, Size),
+    options: &RasterOptions,
+    job: &Job,
+) -> Result<(Image, Drawn), RasterError> {
+    if size.width.get().max(size.height.get()) > MOST_PIXELS {
+        return Err(RasterError::Size(size));
+    }
+    let mut image = Image::new(size, &job.limits)?;
+    let view = Viewport::new(camera, size);
+    let (bins, binned) = exactly(|| Bins::of(surfaces, &view, job))?;
+    let resolve = Resolve::new(surfaces, caps, &view, &bins, options);
+    let width = size.width.get() as usize;
+    let [columns, rows] = bins.tiles();
+    job.progress.begin("render", rows as u64);
+    let row = |(row, pixels): (usize, &mut [Gathered])| {
+        exactly(|| {
+            let (mut tile, mut drawn) = (Tile::new(options.smoothing), Drawn::default());
+            for column in 0..columns {
+                job.check()?;
+                tile.draw([column, row], &bins, &mut drawn);
+                let left = column * TILE[0];
+                let parts = pixels.chunks_mut(width).map(|row| {
+                    let right = width.min(left + TILE[0]);
+                    &mut row[left..right]
+                });
+                resolve.tile(&tile, [column, row], parts, &mut drawn);
+            }
+            job.progress.advance(1);
+            Ok(drawn)
+        })
+    };
+    let bands = image.pixels_mut().par_chunks_mut(width * TILE[1]).enumerate();
+    // Sums of whole numbers are the same in any order.
+    let both = |a: Drawn, b: Drawn| Ok::<_, Stopped>(a.with(b));
+    let drawn = job.threads.run(|| bands.map(row).try_reduce(Drawn::default, both))?;
+    Ok((image, drawn.with(binned)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,127 @@
+//! From places in the world to places in the picture.
+//!
+//! A place in the picture is in 1/256 of a pixel, as a whole number, so that it is exactly on one side of an edge or on
+//! the other. Depth is a number that grows away from the camera and changes linearly across the picture: the
+//! distance ahead in a parallel projection, and −1 over it in a perspective.
+
+use crate::{Camera, Projection, Ray, Size};
+use isokit_geom::{
+    HalfSpace,
+    vector::{Vector, dot},
+};
+
+/// Parts of a pixel.
+pub(super) const PARTS: i32 = 256;
+
+/// Places farther aside than this, in pixels, are not numbered: triangles are cut there.
+const ASIDE: f64 = (1 << 20) as f64;
+
+/// Nearer to the eye of a perspective than this share of the distance to what it looks at nothing is seen.
+const NEAR: f64 = 1e-6;
+
+/// A vertex in the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seen {
+    /// To the right from the picture's left edge, and down from its top, in parts of a pixel.
+    pub(super) place: [i32; 2],
+    pub(super) depth: f32,
+}
+
+impl Seen {
+    /// Stands for a vertex whose triangles need a closer look.
+    pub(super) const CUT: Self = Self { place: [i32::MIN; 2], depth: 0.0 };
+
+    pub(super) fn is_cut(self) -> bool {
+        self.place[0] == i32::MIN
+    }
+}
+
+/// How a camera fills a picture.
+#[derive(Clone, Debug)]
+pub(super) struct Viewport<'a> {
+    camera: &'a Camera,
+    pub(super) size: Size,
+    is_parallel: bool,
+    /// Pixels of what is 1 aside (and, in a perspective, 1 ahead).
+    scale: f64,
+    /// The middle of the picture, in pixels.
+    middle: [f64; 2],
+    /// How far ahead something is seen at least.
+    near: f64,
+    /// What can be placed in the picture, as the camera sees it.
+    sides: Vec<HalfSpace>,
+}
+
+impl<'a> Viewport<'a> {
+    pub(super) fn new(camera: &'a Camera, size: Size) -> Self {
+        let middle = [size.width, size.height].map(|n| 0.5 * f64::from(n.get()));
+        let scale = middle[1] * camera.magnification();
+        let is_parallel = matches!(camera.projection(), Projection::Parallel { .. });
+        let (near, aside) = match is_parallel {
+            true => (0.0, ASIDE / scale),
+            false => (NEAR * camera.distance(), 0.0),
+        };
+        let slope = if is_parallel { 0.0 } else { ASIDE / scale };
+        let sides = [
+            ([0.0, 0.0, -1.0], -near),
+            ([1.0, 0.0, -slope], aside),
+            ([-1.0, 0.0, -slope], aside),
+            ([0.0, 1.0, -slope], aside),
+            ([0.0, -1.0, -slope], aside),
+        ];
+        // A side where numbers end cuts nothing.
+        let sides = sides.into_iter().filter_map(|(normal, offset)| half(normal, offset)).collect();
+        Self { camera, size, is_parallel, scale, middle, near, sides }
+    }
+
+    /// All that a surface is cut by, as the camera sees it.
+    pub(super) fn cuts(&self, clips: &[HalfSpace]) -> Vec<HalfSpace> {
+        let turned = |clip: &HalfSpace| {
+            let offset = clip.offset() - dot(clip.normal(), self.camera.from());
+            half(self.camera.turned(clip.normal()), offset)
+        };
+        self.sides.iter().copied().chain(clips.iter().filter_map(turned)).collect()
+    }
+
+    /// A place of the world as the camera sees it.
+    #[inline(always)]
+    pub(super) fn view(&self, place: Vector) -> Vector {
+        self.camera.view(place)
+    }
+
+    /// Where in the picture something is that all sides keep.
+    #[inline(always)]
+    pub(super) fn seen(&self, [right, up, ahead]: Vector) -> Seen {
+        let (scale, depth) = match self.is_parallel {
+            true => (self.scale, ahead),
+            false => (self.scale / ahead, -1.0 / ahead),
+        };
+        let x = self.middle[0] + scale * right;
+        let y = self.middle[1] - scale * up;
+        Seen { place: [parts(x), parts(y)], depth: depth as f32 }
+    }
+
+    /// The depth of a place along the ray of a point of the picture.
+    pub(super) fn depth(&self, place: Vector) -> Option<f32> {
+        let view = self.view(place);
+        (view[2] >= self.near).then(|| self.seen(view).depth)
+    }
+
+    /// The ray of a point of the picture, in pixels from its upper left corner.
+    pub(super) fn ray(&self, [x, y]: [f64; 2]) -> Ray {
+        let [half_width, half_height] = self.middle;
+        self.camera.ray([(x - half_width) / half_height, (half_height - y) / half_height])
+    }
+}
+
+fn half(normal: Vector, offset: f64) -> Option<HalfSpace> {
+    HalfSpace::new(normal, offset).ok()
+}
+
+/// Parts of a pixel, to the nearest.
+#[inline(always)]
+fn parts(pixels: f64) -> i32 {
+    // Made positive, so that to cut off is to round down.
+    let up = 2.0 * ASIDE;
+    ((pixels + up) * f64::from(PARTS) + 0.5) as i64 as i32 - (up * f64::from(PARTS)) as i32
+}
