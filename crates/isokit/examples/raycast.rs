@@ -8,8 +8,8 @@ use isokit::{
     job::Job,
     pipeline::Scan,
     render::{
-        Background, Camera, ControlPoint, Depth, RaycastOptions, Side, Size, TransferFunction,
-        raycast, write_png,
+        Background, Camera, ControlPoint, Depth, Medium, RaycastOptions, Side, Size,
+        TransferFunction, raycast, write_png,
     },
     volume::Bricks,
 };
@@ -33,8 +33,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let bounds = volume.grid().bounds();
         let camera = Camera::framing(bounds, directions, Some(25.0), 1.0)?.orbited(30.0);
         let bricks = Bricks::of(&volume.view(), &job)?;
-        let source = (&volume.view(), Some(&bricks));
-        raycast(source, &transfer, (&camera, size), &RaycastOptions::DEFAULT, &job)?
+        let (view, bricks) = (&volume.view(), Some(&bricks));
+        let medium = Medium { view, bricks, transfer: &transfer, clips: &[] };
+        raycast(&medium, (&camera, size), &RaycastOptions::DEFAULT, &job)?
     });
     println!("{cast:?}");
     let file = BufWriter::new(File::create(out)?);

@@ -7,7 +7,7 @@
 //! use isokit_geom::Space;
 //! use isokit_job::Job;
 //! use isokit_render::{
-//!     Background, Camera, ControlPoint, Depth, RaycastOptions, Side, Size, TransferFunction, raycast,
+//!     Background, Camera, ControlPoint, Depth, Medium, RaycastOptions, Side, Size, TransferFunction, raycast,
 //!     write_png,
 //! };
 //! use isokit_volume::{Grid, Volume};
@@ -28,13 +28,9 @@
 //! let bounds = volume.grid().bounds();
 //! let camera = Camera::framing(bounds, Side::Anterior.directions(Space::Ras), Some(30.0), 1.0)?;
 //! let size = Size { width: 64.try_into()?, height: 64.try_into()? };
-//! let (image, _) = raycast(
-//!     (&volume.view(), None),
-//!     &transfer,
-//!     (&camera, size),
-//!     &RaycastOptions::DEFAULT,
-//!     &Job::default(),
-//! )?;
+//! let medium = Medium { view: &volume.view(), bricks: None, transfer: &transfer, clips: &[] };
+//! let (options, job) = (RaycastOptions::DEFAULT, Job::default());
+//! let (image, _) = raycast(&medium, (&camera, size), &options, &job)?;
 //! assert!(image.pixel(32, 32).opacity > 0.9 && image.pixel(0, 0).opacity == 0.0);
 //! let mut file = vec![]; // or a file
 //! write_png(&image, Background::Transparent, Depth::Eight, &mut file)?;
@@ -52,6 +48,7 @@ mod png;
 mod raster;
 mod raycast;
 mod transfer;
+mod trilinear;
 
 pub use camera::{Camera, CameraError, Projection, Ray, Side};
 pub use gather::{Gathered, opacity_over};
@@ -59,5 +56,6 @@ pub use image::{Background, Image, Size};
 pub use light::Light;
 pub use png::{Depth, PngError, write_png};
 pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
-pub use raycast::{Cast, RaycastError, RaycastOptions, raycast};
+pub use raycast::{Cast, Medium, RaycastError, RaycastOptions, raycast};
 pub use transfer::{ControlPoint, TransferError, TransferFunction};
+pub use trilinear::Trilinear;

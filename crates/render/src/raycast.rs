@@ -7,7 +7,7 @@
 //!
 //! Two things are not computed, and counted: steps in bricks of which no value can be seen (`leap.rs`), which changes
 //! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
-//! Values are f32: of samples that are i32, u32 or f64 what differs by less than a ten-millionth is one value.
+//! Values are f32 ([`Trilinear`](crate::Trilinear)).
 //!
 //! What it does not do: colours and opacities change linearly within a step only as far as values do. A transfer
 //! function with peaks narrower than the change of value in one step needs shorter steps.
@@ -16,12 +16,27 @@ mod leap;
 mod march;
 
 use crate::{Camera, Gathered, Image, Light, Ray, Size, TransferFunction, transfer::Lookup};
+use isokit_geom::HalfSpace;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use isokit_volume::{Bricks, Sample, View};
 use leap::Clear;
 use march::March;
 use rayon::prelude::*;
+
+/// A volume, and what is seen of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Medium<'a, T> {
+    /// The samples.
+    pub view: &'a View<'a, T>,
+    /// Where in it which values are, if that is known. Changes time only. Bricks are of use if they are those of the
+    /// samples; others, with other sizes, are left aside.
+    pub bricks: Option<&'a Bricks<T>>,
+    /// What values look like.
+    pub transfer: &'a TransferFunction,
+    /// What is kept of it: what is in all of these.
+    pub clips: &'a [HalfSpace],
+}
 
 /// How rays are cast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,8 +137,7 @@ pub enum RaycastError {
 /// The most steps that fit along the three edges of a volume. No ray through it has more, but for rounding.
 const MOST_STEPS: f64 = 1e6;
 
-/// The picture of a volume: its values through a transfer function. Bricks are of use if they are those of the
-/// volume; others, with other sizes, are left aside.
+/// The picture of a volume: its values through a transfer function.
 ///
 /// The picture is the same, byte for byte, for any number of threads, and with bricks or without.
 ///
@@ -132,21 +146,21 @@ const MOST_STEPS: f64 = 1e6;
 /// If a length is not above 0, is infinite, or so short that the three edges of the volume together have more than a
 /// million; if the job is cancelled or does not allow the picture's memory.
 pub fn raycast<T: Sample>(
-    (view, bricks): (&View<'_, T>, Option<&Bricks<T>>),
-    transfer: &TransferFunction,
+    medium: &Medium<'_, T>,
     (camera, size): (&Camera, Size),
     options: &RaycastOptions,
     job: &Job,
 ) -> Result<(Image, Cast), RaycastError> {
-    let (step, unit) = lengths(view, options)?;
+    let (step, unit) = lengths(medium.view, options)?;
     let mut image = Image::new(size, &job.limits).map_err(Stopped::from)?;
     let width = size.width.get() as usize;
     job.progress.begin("render", u64::from(size.height.get()));
     let done = exactly(|| {
-        let lookup = Lookup::new(transfer, step / unit);
-        let bricks = bricks.filter(|bricks| bricks.grid().dims() == view.dims());
+        let lookup = Lookup::new(medium.transfer, step / unit);
+        let view = medium.view;
+        let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
         let clear = bricks.map(|bricks| Clear::new(bricks, view.scaling(), &lookup));
-        let march = March::new(view, (&lookup, clear.as_ref()), step, options);
+        let march = March::new(medium, (&lookup, clear.as_ref()), step, options);
         let row = |(row, pixels): (usize, &mut [Gathered])| {
             exactly(|| {
                 job.check()?;

@@ -1,7 +1,6 @@
 //! Bricks of which nothing can be seen.
 
-use super::march::Scale;
-use crate::transfer::Lookup;
+use crate::{transfer::Lookup, trilinear::Scale};
 use isokit_lanes::Extent;
 use isokit_volume::{BrickGrid, Bricks, Sample, Scaling};
 

@@ -1,31 +1,21 @@
 //! One ray, step by step.
 
-use super::{Cast, MOST_STEPS, RaycastOptions, leap::Clear};
-use crate::{Gathered, Light, Ray, transfer::Lookup};
-use isokit_geom::Affine;
-use isokit_volume::{Sample, Scaling, View};
+use super::{Cast, MOST_STEPS, Medium, RaycastOptions, leap::Clear};
+use crate::{Gathered, Light, Ray, Trilinear, transfer::Lookup};
+use isokit_geom::{HalfSpace, vector::dot};
+use isokit_volume::Sample;
 
 /// All that rays have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct March<'a, T> {
-    view: &'a View<'a, T>,
+    field: Trilinear<'a, T>,
+    clips: &'a [HalfSpace],
     lookup: &'a Lookup<'a>,
     clear: Option<&'a Clear>,
-    affine: Affine,
-    /// What takes a gradient in index space to the world, as columns.
-    covectors: [[f64; 3]; 3],
     /// The length of a step in world units.
     step: f64,
     light: Option<Light>,
     opaque: f32,
-    scale: Scale,
-}
-
-/// What a stored sample means, in f32.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scale {
-    slope: f32,
-    intercept: f32,
 }
 
 /// The way of a ray through a volume: from the first number of steps to the last, where the last may be no whole
@@ -40,23 +30,14 @@ struct Way {
 
 impl<'a, T: Sample> March<'a, T> {
     pub(super) fn new(
-        view: &'a View<'a, T>,
+        medium: &Medium<'a, T>,
         (lookup, clear): (&'a Lookup<'a>, Option<&'a Clear>),
         step: f64,
         options: &RaycastOptions,
     ) -> Self {
-        let affine = view.frame().index_to_world;
-        Self {
-            view,
-            lookup,
-            clear,
-            affine,
-            covectors: affine.covector_columns(),
-            step,
-            light: options.light,
-            opaque: options.opaque,
-            scale: Scale::of(view.scaling()),
-        }
+        let (field, clips) = (Trilinear::new(*medium.view), medium.clips);
+        let RaycastOptions { light, opaque, .. } = *options;
+        Self { field, clips, lookup, clear, step, light, opaque }
     }
 
     /// What a ray gathers.
@@ -71,7 +52,7 @@ impl<'a, T: Sample> March<'a, T> {
             let middle =
                 if (n as f64) < whole { n as f64 + 0.5 } else { 0.5 * (whole + way.steps) };
             let place: [f64; 3] = std::array::from_fn(|k| way.start[k] + middle * way.step[k]);
-            let (cell, part) = self.cell(place);
+            let (cell, part) = self.field.cell(place);
             if let Some(around) = self.clear.and_then(|clear| clear.around(cell)) {
                 let next = way.leaving(around).clamp((n + 1) as f64, count as f64) as u64;
                 done.steps_leapt += next - n;
@@ -79,7 +60,7 @@ impl<'a, T: Sample> March<'a, T> {
                 continue;
             }
             done.steps += 1;
-            let value = self.value(cell, part);
+            let value = self.field.value(cell, part);
             // What is NaN hides nothing.
             let seen = match (value.is_nan(), (n as f64) < whole) {
                 (true, _) => [0.0; 4],
@@ -98,17 +79,18 @@ impl<'a, T: Sample> March<'a, T> {
         gathered
     }
 
-    /// Where a ray goes through the box from the first sample to the last. A volume of one sample along an axis has no
+    /// Where a ray goes through what is kept of the box from the first sample to the last. A volume of one sample along an axis has no
     /// inside.
     fn way(&self, ray: &Ray) -> Option<Way> {
-        if self.view.dims().contains(&1) {
+        let (dims, affine) = (self.field.view().dims(), self.field.affine());
+        if dims.contains(&1) {
             return None;
         }
-        let origin = self.affine.inverse_point(ray.origin);
-        let direction = self.affine.inverse_vector(ray.direction);
+        let origin = affine.inverse_point(ray.origin);
+        let direction = affine.inverse_vector(ray.direction);
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
         for k in 0..3 {
-            let last = self.view.dims()[k] as f64 - 1.0;
+            let last = dims[k] as f64 - 1.0;
             let ends = [0.0, last].map(|end| (end - origin[k]) / direction[k]);
             if direction[k] == 0.0 {
                 // Beside the box, or in it all along.
@@ -120,6 +102,17 @@ impl<'a, T: Sample> March<'a, T> {
             near = near.max(ends[0].min(ends[1]));
             far = far.min(ends[0].max(ends[1]));
         }
+        for clip in self.clips {
+            let (beyond, along) = (clip.beyond(ray.origin), dot(clip.normal(), ray.direction));
+            let end = -beyond / along;
+            match (along > 0.0, along < 0.0) {
+                (true, _) => far = far.min(end),
+                (_, true) => near = near.max(end),
+                // Along the plane, on one side of it.
+                _ if beyond > 0.0 => return None,
+                _ => {}
+            }
+        }
         let steps = (far - near) / self.step;
         // Not where a camera so far away that numbers end has made one that is no number, or no end.
         (steps > 0.0 && steps <= 2.0 * MOST_STEPS).then(|| Way {
@@ -129,75 +122,13 @@ impl<'a, T: Sample> March<'a, T> {
         })
     }
 
-    /// The cell of a place, and how far in it the place is along each axis, from 0 to 1. Rounding may lead out of the
-    /// volume; the nearest cell goes on there.
-    #[inline(always)]
-    fn cell(&self, place: [f64; 3]) -> ([usize; 3], [f32; 3]) {
-        let mut part = [0.0; 3];
-        let cell = std::array::from_fn(|k| {
-            // What is below 0 becomes 0.
-            let low = (place[k] as usize).min(self.view.dims()[k].saturating_sub(2));
-            part[k] = ((place[k] - low as f64) as f32).clamp(0.0, 1.0);
-            low
-        });
-        (cell, part)
-    }
-
-    /// The value in a cell.
-    #[inline(always)]
-    fn value(&self, cell: [usize; 3], [x, y, z]: [f32; 3]) -> f32 {
-        let corners = self.view.cell(cell).map(|sample| sample.to_f64() as f32);
-        let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
-        let edge = |k: usize| mix(corners[k], corners[k + 1], x);
-        let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
-        self.scale.value(stored)
-    }
-
     /// What is seen at a place, under the light.
     #[inline(always)]
     fn lit(&self, [r, g, b, opacity]: [f32; 4], place: [f64; 3], ray: &Ray) -> Gathered {
         let Some(light) = &self.light else { return Gathered { color: [r, g, b], opacity } };
         let straight = [r, g, b].map(|part| part / opacity);
-        let shaded = light.shade(straight, self.gradient(place), ray.direction);
+        let shaded = light.shade(straight, self.field.gradient(place), ray.direction);
         Gathered::new(shaded, opacity)
-    }
-
-    /// The gradient in the world, but for its length: by central differences of values a sample before and after
-    /// along each axis, which is what interpolating the central differences at samples gives; at the border and
-    /// beside what has no value, by that of one side.
-    #[inline(always)]
-    fn gradient(&self, place: [f64; 3]) -> [f64; 3] {
-        let dims = self.view.dims();
-        let part: [f64; 3] = std::array::from_fn(|k| {
-            let at = |offset: f64| {
-                let mut there = place;
-                there[k] = (place[k] + offset).clamp(0.0, dims[k] as f64 - 1.0);
-                let (cell, part) = self.cell(there);
-                (f64::from(self.value(cell, part)), there[k])
-            };
-            let rise = |(below, low): (f64, f64), (above, high): (f64, f64)| {
-                Some((above - below) / (high - low)).filter(|rise| rise.is_finite())
-            };
-            let (before, after) = (at(-1.0), at(1.0));
-            let one_sided = || rise(before, at(0.0)).or_else(|| rise(at(0.0), after));
-            rise(before, after).or_else(one_sided).unwrap_or(0.0)
-        });
-        let columns = &self.covectors;
-        std::array::from_fn(|k| {
-            columns[0][k] * part[0] + columns[1][k] * part[1] + columns[2][k] * part[2]
-        })
-    }
-}
-
-impl Scale {
-    pub(super) fn of(scaling: Scaling) -> Self {
-        Self { slope: scaling.slope() as f32, intercept: scaling.intercept() as f32 }
-    }
-
-    /// The value of a stored sample. Rounding keeps order: it never falls where samples rise, or never rises.
-    #[inline(always)]
-    pub(super) fn value(self, stored: f32) -> f32 {
-        stored * self.slope + self.intercept
     }
 }
 

@@ -1,15 +1,15 @@
 //! Closed forms, and pictures that must be equal.
 
-use super::{RaycastError, RaycastOptions, raycast};
+use super::{Medium, RaycastError, RaycastOptions, raycast};
 use crate::{
     Camera, CameraError, Cast, ControlPoint, Image, Light, Projection, Size, TransferFunction,
 };
 use isokit_geom::{
-    Affine, Frame,
+    Affine, Frame, HalfSpace,
     vector::{dot, length},
 };
 use isokit_job::{Job, Threads};
-use isokit_volume::{Grid, Sample, Scaling, Volume};
+use isokit_volume::{Grid, Sample, Scaling, View, Volume};
 use std::num::{NonZeroU32, NonZeroUsize};
 
 mod bricks;
@@ -38,6 +38,10 @@ fn size(n: u32) -> Size {
     Size { width: n, height: n }
 }
 
+fn medium<'a, T>(view: &'a View<'a, T>, transfer: &'a TransferFunction) -> Medium<'a, T> {
+    Medium { view, bricks: None, transfer, clips: &[] }
+}
+
 fn picture<T: Sample>(
     volume: &Volume<T>,
     transfer: &TransferFunction,
@@ -45,7 +49,7 @@ fn picture<T: Sample>(
     options: &RaycastOptions,
 ) -> (Image, Cast) {
     let camera = (camera, size(n));
-    raycast((&volume.view(), None), transfer, camera, options, &Job::default()).unwrap()
+    raycast(&medium(&volume.view(), transfer), camera, options, &Job::default()).unwrap()
 }
 
 /// Along z through the middle of x and y of a volume, as one pixel sees it.
@@ -183,8 +187,7 @@ fn any_number_of_threads_makes_the_same_picture() {
             let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
             let job = Job { threads, ..Job::default() };
             let found = raycast(
-                (&volume.view(), None),
-                &glow(),
+                &medium(&volume.view(), &glow()),
                 (&camera, size(50)),
                 &RaycastOptions::DEFAULT,
                 &job,
@@ -293,7 +296,7 @@ fn lengths_of_no_use_are_refused() {
     let camera = cameras(&blobs()).remove(0);
     let cast = |options: RaycastOptions| {
         let view = volume.view();
-        raycast((&view, None), &glow(), (&camera, size(2)), &options, &Job::default()).unwrap_err()
+        raycast(&medium(&view, &glow()), (&camera, size(2)), &options, &Job::default()).unwrap_err()
     };
     for step in [0.0, -1.0, f64::NAN, 1e-9, f64::INFINITY] {
         let error = cast(PLAIN.with_step(step));
@@ -304,7 +307,36 @@ fn lengths_of_no_use_are_refused() {
     let job = Job::default();
     job.cancel.cancel();
     let view = volume.view();
-    assert!(raycast((&view, None), &glow(), (&camera, size(2)), &PLAIN, &job).is_err());
+    assert!(raycast(&medium(&view, &glow()), (&camera, size(2)), &PLAIN, &job).is_err());
+}
+
+#[test]
+fn planes_leave_what_is_within_all_of_them() {
+    let slab = volume([9, 9, 41], 0.5, |_| 1.0_f32);
+    let transfer = opacities([0.0, 2.0], |_| 0.1);
+    let view = slab.view();
+    let along = Projection::Parallel { height: 1e-6 };
+    let camera = Camera::new([2.0, 2.0, -3.0], [2.0; 3], [0.0, 1.0, 0.0], along).unwrap();
+    let gathered = |halves: &[([f64; 3], f64)]| {
+        let clips: Vec<_> = halves.iter().map(|&(n, d)| HalfSpace::new(n, d).unwrap()).collect();
+        let medium = Medium { clips: &clips, ..medium(&view, &transfer) };
+        let camera = (&camera, size(1));
+        raycast(&medium, camera, &PLAIN, &Job::default()).unwrap().0.pixel(0, 0).opacity
+    };
+    let of = |length: f64| 1.0 - 0.9_f64.powf(length / 0.5);
+    let (front, back) = ([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]);
+    for (halves, length) in [
+        (&[][..], 20.0),
+        (&[(front, 7.3)], 3.65),
+        (&[(back, -7.3)], 12.7),
+        (&[(front, 20.0), (back, -4.0), ([1.0, 0.0, 0.0], 2.1)], 6.0),
+        (&[([1.0, 0.0, 0.0], 1.9)], 0.0),
+        (&[(front, 4.0), (back, -4.0)], 0.0),
+        (&[([1.0, 0.0, 1.0], 6.0)], 4.0),
+    ] {
+        let found = f64::from(gathered(halves));
+        assert!((found - of(length)).abs() < 1e-5, "{halves:?}: {found} for {}", of(length));
+    }
 }
 
 #[test]

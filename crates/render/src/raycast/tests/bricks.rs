@@ -1,9 +1,22 @@
 //! With bricks and without them a picture is the same, bit for bit.
 
-use super::{PLAIN, blobs, cameras, glow, picture, size, volume};
-use crate::{ControlPoint, RaycastOptions, TransferFunction, raycast};
+use super::{PLAIN, blobs, cameras, glow, medium, picture, size, volume};
+use crate::{Camera, Cast, ControlPoint, Image, Medium, RaycastOptions, TransferFunction, raycast};
 use isokit_job::Job;
-use isokit_volume::{Bricks, Scaling};
+use isokit_volume::{Bricks, Sample, Scaling, Volume};
+
+/// The picture with bricks.
+fn with<T: Sample>(
+    bricks: &Bricks<T>,
+    volume: &Volume<T>,
+    transfer: &TransferFunction,
+    (camera, n): (&Camera, u32),
+    options: &RaycastOptions,
+) -> (Image, Cast) {
+    let view = volume.view();
+    let medium = Medium { bricks: Some(bricks), ..medium(&view, transfer) };
+    raycast(&medium, (camera, size(n)), options, &Job::default()).unwrap()
+}
 
 #[test]
 fn leaps_over_what_cannot_be_seen_change_no_bit() {
@@ -12,9 +25,7 @@ fn leaps_over_what_cannot_be_seen_change_no_bit() {
     for camera in cameras(&volume) {
         for options in [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13)] {
             let (plain, walked) = picture(&volume, &glow(), (&camera, 60), &options);
-            let source = (&volume.view(), Some(&bricks));
-            let (leapt, cast) =
-                raycast(source, &glow(), (&camera, size(60)), &options, &Job::default()).unwrap();
+            let (leapt, cast) = with(&bricks, &volume, &glow(), (&camera, 60), &options);
             assert!(leapt == plain);
             assert_eq!(
                 cast.steps + cast.steps_leapt + cast.steps_hidden,
@@ -32,8 +43,7 @@ fn bricks_of_another_volume_are_left_aside() {
     let bricks = Bricks::of(&other.view(), &Job::default()).unwrap();
     let camera = &cameras(&volume)[1];
     let (expected, _) = picture(&volume, &glow(), (camera, 20), &PLAIN);
-    let source = (&volume.view(), Some(&bricks));
-    let found = raycast(source, &glow(), (camera, size(20)), &PLAIN, &Job::default()).unwrap();
+    let found = with(&bricks, &volume, &glow(), (camera, 20), &PLAIN);
     assert!(found.0 == expected && found.1.steps_leapt == 0);
 }
 
@@ -58,10 +68,9 @@ fn bricks_change_no_bit_whatever_samples_mean() {
         let transfer = TransferFunction::new(points.collect()).unwrap();
         let camera = cameras(&blobs()).remove(1);
         let plain = picture(&volume, &transfer, (&camera, 40), &RaycastOptions::DEFAULT).0;
-        let source = (&volume.view(), Some(&bricks));
         let options = RaycastOptions::DEFAULT;
-        let found = raycast(source, &transfer, (&camera, size(40)), &options, &Job::default());
-        assert!(found.unwrap().0 == plain, "{slope}, {intercept}");
+        let found = with(&bricks, &volume, &transfer, (&camera, 40), &options);
+        assert!(found.0 == plain, "{slope}, {intercept}");
         assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.1), "{slope}: nothing is seen");
     }
 }
