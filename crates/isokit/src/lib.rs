@@ -33,7 +33,7 @@
 //! | know what is read and written, in which axes and units | [`guide::formats`], [`io`] |
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
-//! | look at a volume without a surface | [`render`](mod@render) |
+//! | make pictures of surfaces and of values | [`scene`], [`render`](mod@render) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |
 //! | write a surface that no memory holds | [`io::MeshSpool`] |
 //! | find out what is wrong with a mesh | [`mesh::topology`] |
@@ -48,6 +48,7 @@
 
 pub mod guide;
 pub mod pipeline;
+pub mod scene;
 
 pub use isokit_field as field;
 pub use isokit_geom as geom;

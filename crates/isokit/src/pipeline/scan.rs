@@ -4,7 +4,7 @@ use crate::pipeline::{
     Index, IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions,
     TargetSpace, UnknownSpace, index, iso::Facts,
 };
-use isokit_geom::Frame;
+use isokit_geom::{Aabb, Frame, Space};
 use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job};
 use isokit_marching_cubes::{ExtractError, Extracted, Source, extract_many};
@@ -282,8 +282,36 @@ impl Scan {
         Remark::among(self, dims, (iso, counts), options, job)
     }
 
-    pub(super) fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
-        volume.view().part(self.part.clone()).expect("the part was checked against the volume")
+    /// The surfaces of several isovalues in a part of the whole volume, which must have it.
+    pub(crate) fn meshes_of_part(
+        &self,
+        part: &[Range<usize>; 3],
+        isos: &[f64],
+        options: &SurfaceOptions,
+        job: &Job,
+    ) -> Result<Vec<TriMesh>, PipelineError> {
+        let mut meshes = vec![TriMesh::with_normals(); isos.len()];
+        if *part == self.part {
+            self.meshes_into(isos, options, &mut meshes, job)?;
+            return Ok(meshes);
+        }
+        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
+        let extracted = for_any!(&self.volume, volume => {
+            let source = Source::from(&part_of(volume, part));
+            extract_many(source, isos, &options.extract, &mut sinks, job)
+        });
+        extracted.map_err(|error| in_whole(error, part))?;
+        drop(sinks);
+        Ok(meshes)
+    }
+
+    /// The box of the part in the world, and the world's axes.
+    pub fn around(&self) -> (Aabb, Space) {
+        (for_any!(&self.volume, volume => self.view(volume).grid().bounds()), self.frame().space)
+    }
+
+    pub(crate) fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
+        part_of(volume, &self.part)
     }
 
     /// The view, with bricks if they are of all of it and worth it.
@@ -295,6 +323,10 @@ impl Scan {
         let known = bricks.and_then(|bricks| Source::with_bricks(&view, bricks));
         known.unwrap_or(Source::from(&view))
     }
+}
+
+fn part_of<'a, T: Sample>(volume: &'a Volume<T>, part: &[Range<usize>; 3]) -> View<'a, T> {
+    volume.view().part(part.clone()).expect("the part was checked against the volume")
 }
 
 impl Facts for Scan {

@@ -1,0 +1,264 @@
+//! Scenes: what is to be seen of a scan or of meshes. Only what the picture needs is computed.
+//!
+//! | step | function |
+//! | --- | --- |
+//! | know what is computed, and what not | [`Scene::needs`] |
+//! | make the surfaces that can be seen | [`Scene::meshes`] |
+//! | draw them, cut and capped | [`Scene::draw`] |
+//! | or cast rays through the values | [`Scene::cast`] |
+//!
+//! A plane keeps places on one side of it. Of a surface that is cut only the part of the scan on that side is
+//! extracted; a surface that is transparent, or cut away altogether, is not. Samples that are NaN are outside.
+
+mod caps;
+mod error;
+mod needs;
+
+pub use error::SceneError;
+pub use needs::{Needs, SurfaceNeed, Unneeded};
+
+use crate::pipeline::{Scan, SurfaceOptions};
+use caps::Caps;
+use isokit_geom::{
+    Aabb, HalfSpace, Space,
+    vector::{Vector, cross},
+};
+use isokit_job::Job;
+use isokit_marching_cubes::{ExtractOptions, Nan};
+use isokit_mesh::TriMesh;
+use isokit_render::{
+    Camera, CameraError, Cast, Drawn, Image, Medium, Paint, Painted, Projection, RasterOptions,
+    RaycastOptions, Side, Size, TransferFunction, Trilinear, rasterize, raycast,
+};
+use isokit_volume::{Bricks, for_any};
+
+/// What is to be seen, from where, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Surfaces, which [`Scene::draw`] shows.
+    pub surfaces: Vec<SurfaceLook>,
+    /// What cuts them, and rays.
+    pub clips: Vec<Clip>,
+    /// What values look like, in [`Scene::cast`] and where a plane shows a slice.
+    pub transfer: Option<TransferFunction>,
+    /// From where it is seen.
+    pub viewpoint: Viewpoint,
+    /// How surfaces are drawn.
+    pub raster: RasterOptions,
+    /// How rays are cast.
+    pub raycast: RaycastOptions,
+}
+
+/// A surface and its looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceLook {
+    /// By which planes name it.
+    pub name: String,
+    /// The value on it. None of a mesh that is there already.
+    pub iso: Option<f64>,
+    /// Its colour in linear light, not multiplied by its opacity.
+    pub color: [f32; 3],
+    /// How much of what is behind it hides, each time that one looks through it, from 0 to 1.
+    pub opacity: f32,
+}
+
+/// A plane that cuts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clip {
+    /// What is kept.
+    pub half: HalfSpace,
+    /// The names of the surfaces that it cuts; none for all. Rays are cut by planes that cut all.
+    pub surfaces: Option<Vec<String>>,
+    /// What closes the hole.
+    pub cap: CapStyle,
+}
+
+/// What closes the hole that a plane cuts into a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CapStyle {
+    /// Nothing: one looks inside.
+    #[default]
+    None,
+    /// The colour of the innermost surface that is cut there, opaque.
+    Solid,
+    /// The values there, in the colours of the transfer function, opaque.
+    Slice,
+}
+
+/// From where something is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Viewpoint {
+    /// From a side, with all of it in the picture.
+    Framed {
+        /// The side; in a world whose axes nobody knows, as if x pointed right, y forward and z up.
+        side: Side,
+        /// Degrees around the direction up: seen from above, counter-clockwise.
+        orbit: f64,
+        /// The angle of a perspective in degrees; without one the projection is parallel.
+        fov: Option<f64>,
+    },
+    /// From a place.
+    At {
+        /// The place.
+        from: Vector,
+        /// What is in the middle of the picture: without it the middle of the box.
+        at: Option<Vector>,
+        /// What is up.
+        up: Vector,
+        /// What the picture shows.
+        projection: Projection,
+    },
+}
+
+impl Viewpoint {
+    /// The camera, for a box in a world with such axes.
+    ///
+    /// # Errors
+    ///
+    /// As [`Camera::new`] and [`Camera::framing`].
+    pub fn camera(
+        &self,
+        (bounds, space): (Aabb, Space),
+        size: Size,
+    ) -> Result<Camera, CameraError> {
+        match *self {
+            Self::Framed { side, orbit, fov } => {
+                let aspect = f64::from(size.width.get()) / f64::from(size.height.get());
+                let (forward, up) = side.directions(space);
+                // Framed from where it ends up, so that all is in the picture.
+                let (sine, cosine) = orbit.to_radians().sin_cos();
+                let aside = cross(up, forward);
+                let forward = std::array::from_fn(|k| forward[k] * cosine + aside[k] * sine);
+                Camera::framing(bounds, (forward, up), fov, aspect)
+            }
+            Self::At { from, at, up, projection } => {
+                let middle = |k: usize| bounds.min[k].midpoint(bounds.max[k]);
+                let at = at.unwrap_or_else(|| std::array::from_fn(middle));
+                Camera::new(from, at, up, projection)
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// How a scene's surfaces are extracted: with the defaults, and NaN outside.
+    pub fn surface_options() -> SurfaceOptions {
+        SurfaceOptions::default().with_extract(ExtractOptions::DEFAULT.with_nan(Nan::Outside))
+    }
+
+    /// The surfaces of a scan that can be seen, each as far as it is not cut away, or a few cells farther; empty
+    /// meshes for the others.
+    ///
+    /// # Errors
+    ///
+    /// If a plane names a surface that is not there, or if an extraction fails.
+    pub fn meshes(&self, scan: &Scan, job: &Job) -> Result<Vec<TriMesh>, SceneError> {
+        self.check_names()?;
+        let parts: Vec<_> =
+            self.surfaces.iter().map(|look| self.part_of(look, scan).ok()).collect();
+        let mut meshes = vec![TriMesh::default(); parts.len()];
+        // Surfaces of the same part are made in one pass.
+        for n in 0..parts.len() {
+            let Some(part) = &parts[n] else { continue };
+            if parts[..n].contains(&parts[n]) {
+                continue;
+            }
+            let same: Vec<usize> = (n..parts.len()).filter(|&m| parts[m] == parts[n]).collect();
+            let isos: Vec<f64> = same.iter().filter_map(|&m| self.surfaces[m].iso).collect();
+            let made = scan.meshes_of_part(part, &isos, &Self::surface_options(), job)?;
+            for (m, mesh) in same.into_iter().zip(made) {
+                meshes[m] = mesh;
+            }
+        }
+        Ok(meshes)
+    }
+
+    /// The picture of surfaces, one for each of the scene's: of a scan, if there is one, whose values caps show.
+    ///
+    /// # Errors
+    ///
+    /// If a plane names a surface that is not there, or shows values where there is no scan or no transfer function;
+    /// if the camera sees nothing; or if the picture is too large.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many meshes as surfaces.
+    pub fn draw(
+        &self,
+        meshes: &[TriMesh],
+        (scan, around): (Option<&Scan>, (Aabb, Space)),
+        size: Size,
+        job: &Job,
+    ) -> Result<(Image, Drawn), SceneError> {
+        assert_eq!(meshes.len(), self.surfaces.len(), "one mesh for each surface");
+        self.check_names()?;
+        let camera = self.viewpoint.camera(around, size)?;
+        let clips: Vec<Vec<HalfSpace>> =
+            self.surfaces.iter().map(|look| self.halves(look)).collect();
+        let looks = self.surfaces.iter().zip(meshes).zip(&clips);
+        let painted = looks.map(|((look, mesh), clips)| Painted {
+            mesh,
+            paint: Paint::Plain(look.color),
+            opacity: look.opacity,
+            clips,
+        });
+        let painted: Vec<_> = painted.collect();
+        let draw = |caps: &Caps<'_>| {
+            Ok(rasterize(&painted, &caps.all(), (&camera, size), &self.raster, job)?)
+        };
+        match scan.filter(|_| self.has_caps()) {
+            Some(scan) => for_any!(scan.volume(), volume => {
+                let field = Trilinear::new(scan.view(volume));
+                draw(&Caps::new(self, &|place| field.at(place))?)
+            }),
+            None if self.has_caps() => Err(SceneError::NoValues),
+            None => draw(&Caps::new(self, &|_| None)?),
+        }
+    }
+
+    /// The picture of a scan's values.
+    ///
+    /// # Errors
+    ///
+    /// If there is no transfer function; if the camera sees nothing; or as [`raycast`].
+    pub fn cast(&self, scan: &Scan, size: Size, job: &Job) -> Result<(Image, Cast), SceneError> {
+        let transfer = self.transfer.as_ref().ok_or(SceneError::NoTransfer)?;
+        let camera = self.viewpoint.camera(scan.around(), size)?;
+        let clips = self.clips.iter().filter(|clip| clip.surfaces.is_none());
+        let clips: Vec<HalfSpace> = clips.map(|clip| clip.half).collect();
+        for_any!(scan.volume(), volume => {
+            let view = scan.view(volume);
+            let bricks = Bricks::of(&view, job)?;
+            let medium = Medium { view: &view, bricks: Some(&bricks), transfer, clips: &clips };
+            Ok(raycast(&medium, (&camera, size), &self.raycast, job)?)
+        })
+    }
+
+    /// The planes that cut a surface.
+    fn clips_of(&self, look: &SurfaceLook) -> impl Iterator<Item = &Clip> {
+        self.clips.iter().filter(|clip| clip.cuts(&look.name))
+    }
+
+    fn halves(&self, look: &SurfaceLook) -> Vec<HalfSpace> {
+        self.clips_of(look).map(|clip| clip.half).collect()
+    }
+
+    fn has_caps(&self) -> bool {
+        self.clips.iter().any(|clip| clip.cap != CapStyle::None)
+    }
+
+    fn check_names(&self) -> Result<(), SceneError> {
+        let known = |name: &&String| !self.surfaces.iter().any(|look| look.name == **name);
+        let mut named = self.clips.iter().filter_map(|clip| clip.surfaces.as_ref()).flatten();
+        named.find(known).map_or(Ok(()), |name| Err(SceneError::UnknownSurface(name.clone())))
+    }
+}
+
+impl Clip {
+    fn cuts(&self, name: &str) -> bool {
+        self.surfaces.as_ref().is_none_or(|names| names.iter().any(|cut| cut == name))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,162 @@
+//! What a scene needs, and what it does not.
+
+use super::{Scene, SceneError, SurfaceLook};
+use crate::pipeline::Scan;
+use isokit_geom::{HalfSpace, vector::dot};
+use isokit_job::Job;
+use isokit_lanes::Side;
+use isokit_volume::{Bricks, Sample, View, for_any};
+use std::ops::Range;
+
+/// What is computed for the surfaces of a scene, and what is not.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Needs {
+    /// The surfaces in the scene's order.
+    pub surfaces: Vec<SurfaceNeed>,
+    /// Bricks of the scan.
+    pub bricks: u64,
+    /// Bricks that no surface that can be seen goes through.
+    pub bricks_skipped: u64,
+    /// Samples of the scan.
+    pub samples: u64,
+    /// Samples that no surface needs, since planes cut away what is there.
+    pub samples_skipped: u64,
+}
+
+/// What is computed for one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceNeed {
+    /// Its name.
+    pub name: String,
+    /// The samples that are looked at along x, y, z, of all in the scan; or why none.
+    pub part: Result<[Range<usize>; 3], Unneeded>,
+}
+
+/// Why a surface is not made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unneeded {
+    /// Nobody sees it.
+    #[error("its opacity is 0")]
+    Transparent,
+    /// Nothing of it is left.
+    #[error("planes cut it away")]
+    CutAway,
+    /// It is there already.
+    #[error("it is a mesh")]
+    Mesh,
+}
+
+/// Samples that are looked at beyond a plane, so that vertices and normals are those of the whole: one for the cell
+/// that the plane goes through, and three for placement and normals.
+const MARGIN: f64 = 4.0;
+
+impl Scene {
+    /// What the surfaces of a scan need. Reads the scan once.
+    ///
+    /// # Errors
+    ///
+    /// If a plane names a surface that is not there, or if the job is cancelled.
+    pub fn needs(&self, scan: &Scan, job: &Job) -> Result<Needs, SceneError> {
+        self.check_names()?;
+        let need = |look: &SurfaceLook| SurfaceNeed {
+            name: look.name.clone(),
+            part: self.part_of(look, scan),
+        };
+        let surfaces: Vec<_> = self.surfaces.iter().map(need).collect();
+        let samples = |part: &[Range<usize>; 3]| -> u64 {
+            part.iter().map(|range| range.len() as u64).product()
+        };
+        let parts: Vec<_> = surfaces.iter().filter_map(|need| need.part.as_ref().ok()).collect();
+        // The box around all parts is what is looked at.
+        let around = parts.iter().copied().cloned().reduce(|a, b| {
+            std::array::from_fn(|k| a[k].start.min(b[k].start)..a[k].end.max(b[k].end))
+        });
+        let all = samples(&scan.part());
+        let needed = around.as_ref().map_or(0, samples);
+        let (bricks, active) = for_any!(scan.volume(), volume => {
+            self.bricks(&surfaces, &scan.view(volume), scan, job)?
+        });
+        let (bricks_skipped, samples_skipped) = (bricks - active, all - needed);
+        Ok(Needs { surfaces, bricks, bricks_skipped, samples: all, samples_skipped })
+    }
+
+    /// How many bricks there are, and through how many of them surfaces go.
+    fn bricks<T: Sample>(
+        &self,
+        needs: &[SurfaceNeed],
+        view: &View<'_, T>,
+        scan: &Scan,
+        job: &Job,
+    ) -> Result<(u64, u64), SceneError> {
+        let bricks = Bricks::of(view, job)?;
+        let (grid, corner) = (bricks.grid(), scan.part().map(|range| range.start));
+        let thresholds = self.surfaces.iter().zip(needs).filter_map(|(look, need)| {
+            let part = need.part.as_ref().ok()?;
+            Some((view.scaling().threshold::<T>(look.iso?), part))
+        });
+        let thresholds: Vec<_> = thresholds.collect();
+        let [nx, ny, nz] = grid.counts();
+        let all = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        let is_active = |brick: &[usize; 3]| {
+            thresholds.iter().any(|(threshold, part)| {
+                let is_within = |k: usize| {
+                    let samples = grid.samples(k, brick[k]);
+                    let (first, last) = (samples.start() + corner[k], samples.end() + corner[k]);
+                    first < part[k].end && last >= part[k].start
+                };
+                (0..3).all(is_within)
+                    && bricks.extents()[grid.number(*brick)].side(*threshold) == Side::Both
+            })
+        };
+        let count = (nx * ny * nz) as u64;
+        Ok((count, all.filter(is_active).count() as u64))
+    }
+
+    /// The samples that a surface needs.
+    pub(super) fn part_of(
+        &self,
+        look: &SurfaceLook,
+        scan: &Scan,
+    ) -> Result<[Range<usize>; 3], Unneeded> {
+        if look.iso.is_none() {
+            return Err(Unneeded::Mesh);
+        }
+        if look.opacity <= 0.0 {
+            return Err(Unneeded::Transparent);
+        }
+        let part = scan.part();
+        let mut ends = part.each_ref().map(|range| [range.start as f64, range.end as f64 - 1.0]);
+        for clip in self.clips_of(look) {
+            ends = kept(&clip.half, scan, ends).ok_or(Unneeded::CutAway)?;
+        }
+        Ok(std::array::from_fn(|k| {
+            let Range { start, end } = part[k].clone();
+            let first = (ends[k][0] - MARGIN).floor().max(start as f64) as usize;
+            let last = (ends[k][1] + MARGIN).ceil().min(end as f64 - 1.0) as usize;
+            first..last + 1
+        }))
+    }
+}
+
+/// The box, in index space, around what a plane keeps of a box.
+fn kept(half: &HalfSpace, scan: &Scan, ends: [[f64; 2]; 3]) -> Option<[[f64; 2]; 3]> {
+    let affine = &scan.frame().index_to_world;
+    let normal = affine.columns().map(|column| dot(half.normal(), column));
+    let offset = -half.beyond(affine.origin());
+    // The least that an axis can bring.
+    let least =
+        |k: usize| ends[k].map(|end| normal[k] * end).into_iter().fold(f64::INFINITY, f64::min);
+    let sum: f64 = (0..3).map(least).sum();
+    if sum > offset {
+        return None;
+    }
+    Some(std::array::from_fn(|k| {
+        let [low, high] = ends[k];
+        let end = (offset - (sum - least(k))) / normal[k];
+        match normal[k] {
+            n if n > 0.0 => [low, high.min(end.max(low))],
+            n if n < 0.0 => [low.max(end.min(high)), high],
+            _ => [low, high],
+        }
+    }))
+}

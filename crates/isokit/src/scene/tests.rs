@@ -1,0 +1,179 @@
+//! Balls within balls: seen, cut and left out.
+
+use super::{CapStyle, Clip, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
+use crate::pipeline::Scan;
+use isokit_geom::{Affine, Frame, HalfSpace};
+use isokit_job::Job;
+use isokit_mesh::TriMesh;
+use isokit_render::{
+    ControlPoint, Gathered, Image, RasterOptions, RaycastOptions, Side, Size, TransferFunction,
+};
+use isokit_volume::{Grid, Volume};
+use std::num::NonZeroU32;
+
+const RED: [f32; 3] = [1.0, 0.0, 0.0];
+const BLUE: [f32; 3] = [0.0, 0.0, 1.0];
+
+/// How far within a ball of radius 20 a place is, in millimetres; samples are 1, 0.8 and 1.25 apart.
+fn scan() -> Scan {
+    let (dims, spacing) = ([60_u64, 75, 48], [1.0, 0.8, 1.25]);
+    let affine = Affine::axis_aligned(spacing, [-29.5, -29.6, -29.375]).unwrap();
+    let grid = Grid::new(dims, Frame { index_to_world: affine, ..Frame::default() }).unwrap();
+    let depth = |n: u64| {
+        let place = affine.point([n % 60, n / 60 % 75, n / 4500].map(|i| i as f64));
+        20.0 - place.iter().map(|c| c * c).sum::<f64>().sqrt() as f32
+    };
+    Scan::new(Volume::new(grid, (0..grid.count()).map(depth).collect()).unwrap())
+}
+
+fn look(name: &str, iso: f64, color: [f32; 3], opacity: f32) -> SurfaceLook {
+    SurfaceLook { name: name.into(), iso: Some(iso), color, opacity }
+}
+
+/// A translucent ball of radius 20 around an opaque one of radius 10, seen from the front.
+fn scene() -> Scene {
+    let raster = RasterOptions::DEFAULT.with_light(None);
+    Scene {
+        surfaces: vec![look("skin", 0.0, RED, 0.5), look("bone", 10.0, BLUE, 1.0)],
+        clips: vec![],
+        transfer: None,
+        viewpoint: Viewpoint::Framed { side: Side::Anterior, orbit: 0.0, fov: None },
+        raster,
+        raycast: RaycastOptions::DEFAULT,
+    }
+}
+
+/// Keeps what is behind the plane y = `offset`, seen from the front.
+fn behind(offset: f64, surfaces: Option<&str>, cap: CapStyle) -> Clip {
+    let half = HalfSpace::new([0.0, 1.0, 0.0], offset).unwrap();
+    Clip { half, surfaces: surfaces.map(|name| vec![name.into()]), cap }
+}
+
+fn size() -> Size {
+    let n = NonZeroU32::new(81).unwrap();
+    Size { width: n, height: n }
+}
+
+fn drawn(scene: &Scene, scan: &Scan) -> Result<Image, SceneError> {
+    let meshes = scene.meshes(scan, &Job::default())?;
+    Ok(scene.draw(&meshes, (Some(scan), scan.around()), size(), &Job::default())?.0)
+}
+
+#[track_caller]
+fn assert_near(found: Gathered, color: [f32; 3], opacity: f32) {
+    let expected = color.into_iter().chain([opacity]);
+    for (found, expected) in found.color.into_iter().chain([found.opacity]).zip(expected) {
+        assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
+    }
+}
+
+#[test]
+fn a_ball_in_a_ball_is_seen_through_the_outer_one() {
+    let image = drawn(&scene(), &scan()).unwrap();
+    assert_near(image.pixel(40, 40), [0.5, 0.0, 0.5], 1.0);
+    // Beside the inner one, both walls of the outer.
+    assert_near(image.pixel(40, 18), [0.75, 0.0, 0.0], 0.75);
+    assert_near(image.pixel(0, 0), [0.0; 3], 0.0);
+}
+
+#[test]
+fn planes_cut_what_they_name_and_caps_close_it() {
+    let scan = scan();
+    let with = |clips: Vec<Clip>| {
+        let point = |value, color| ControlPoint { value, color, opacity: 0.0 };
+        let points = vec![point(0.0, [0.0; 3]), point(20.0, [0.0, 1.0, 0.0])];
+        let transfer = Some(TransferFunction::new(points).unwrap());
+        drawn(&Scene { clips, transfer, ..scene() }, &scan).unwrap().pixel(40, 40)
+    };
+    // The camera looks along -y: the front wall of the outer ball is gone.
+    assert_near(with(vec![behind(5.0, Some("skin"), CapStyle::None)]), [0.0, 0.0, 1.0], 1.0);
+    let solid = with(vec![behind(5.0, None, CapStyle::Solid)]);
+    assert_near(solid, BLUE, 1.0);
+    let beyond = with(vec![behind(12.0, None, CapStyle::Solid)]);
+    assert_near(beyond, RED, 1.0);
+    let slice = with(vec![behind(5.0, None, CapStyle::Slice)]);
+    // In the middle of the picture, 5 from the middle of the ball, the value is 15.
+    assert!((slice.color[1] - 0.75).abs() < 0.01 && slice.opacity == 1.0, "{slice:?}");
+    // A second plane takes away half of the cap.
+    let half = HalfSpace::new([0.0, 0.0, 1.0], -3.0).unwrap();
+    let other = Clip { half, surfaces: None, cap: CapStyle::None };
+    let both = with(vec![behind(5.0, None, CapStyle::Solid), other]);
+    assert_ne!(both.color, BLUE);
+}
+
+#[test]
+fn what_planes_cut_away_is_not_extracted_and_nobody_sees_a_difference() {
+    let scan = scan();
+    let whole: Vec<TriMesh> = scene().meshes(&scan, &Job::default()).unwrap();
+    for normal in [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.05, -1.0, 0.08]] {
+        for offset in [-6.0, 3.0] {
+            let half = HalfSpace::new(normal, offset).unwrap();
+            let clip = Clip { half, surfaces: None, cap: CapStyle::Solid };
+            let scene = Scene { clips: vec![clip], ..scene() };
+            let cut = scene.meshes(&scan, &Job::default()).unwrap();
+            assert!(cut[0].triangles.len() < whole[0].triangles.len());
+            let draw = |meshes: &[TriMesh]| {
+                let subject = (Some(&scan), scan.around());
+                scene.draw(meshes, subject, size(), &Job::default()).unwrap().0
+            };
+            let pairs =
+                draw(&cut).pixels().to_vec().into_iter().zip(draw(&whole).pixels().to_vec());
+            for (cut, whole) in pairs {
+                let off = (0..3).map(|n| (cut.color[n] - whole.color[n]).abs());
+                assert!(off.fold(0.0, f32::max) < 1e-6, "{normal:?}, {offset}");
+            }
+            let needs = scene.needs(&scan, &Job::default()).unwrap();
+            assert!(needs.samples_skipped > needs.samples / 10, "{needs:?}");
+        }
+    }
+}
+
+#[test]
+fn needs_say_why_nothing_is_made_of_a_surface() {
+    let scan = scan();
+    let mut scene = scene();
+    scene.surfaces[0].opacity = 0.0;
+    scene.clips = vec![behind(-40.0, Some("bone"), CapStyle::None)];
+    let needs = scene.needs(&scan, &Job::default()).unwrap();
+    let why: Vec<_> = needs.surfaces.iter().map(|need| need.part.clone()).collect();
+    assert_eq!(why, [Err(Unneeded::Transparent), Err(Unneeded::CutAway)]);
+    assert_eq!((needs.bricks, needs.samples), (needs.bricks_skipped, needs.samples_skipped));
+    let meshes = scene.meshes(&scan, &Job::default()).unwrap();
+    assert!(meshes.iter().all(|mesh| mesh.triangles.is_empty()));
+    let all = super::tests::scene().needs(&scan, &Job::default()).unwrap();
+    assert!(all.samples_skipped == 0 && all.bricks_skipped < all.bricks, "{all:?}");
+}
+
+#[test]
+fn rays_are_cut_by_planes_that_cut_all() {
+    let scan = scan();
+    let points = [(0.0, 0.0), (1.0, 0.1)].map(|(value, opacity)| ControlPoint {
+        value,
+        color: RED,
+        opacity,
+    });
+    let transfer = Some(TransferFunction::new(points.into()).unwrap());
+    let cast = |clips: Vec<Clip>| {
+        let scene = Scene { clips, transfer: transfer.clone(), ..scene() };
+        scene.cast(&scan, size(), &Job::default()).unwrap().0.pixel(40, 40).opacity
+    };
+    let (whole, named) = (cast(vec![]), cast(vec![behind(0.0, Some("skin"), CapStyle::None)]));
+    assert_eq!(whole, named);
+    let half = cast(vec![behind(0.0, None, CapStyle::None)]);
+    assert!(((1.0 - half).powi(2) - (1.0 - whole)).abs() < 1e-3, "{half}, {whole}");
+}
+
+#[test]
+fn a_scene_that_does_not_fit_together_is_refused() {
+    let scan = scan();
+    let with = |clip| Scene { clips: vec![clip], ..scene() };
+    let unknown = drawn(&with(behind(0.0, Some("liver"), CapStyle::None)), &scan).unwrap_err();
+    assert!(unknown.to_string().contains("\"liver\""), "{unknown}");
+    let slice = drawn(&with(behind(0.0, None, CapStyle::Slice)), &scan).unwrap_err();
+    assert!(matches!(slice, SceneError::NoTransfer));
+    let capped = with(behind(0.0, None, CapStyle::Solid));
+    let meshes = vec![TriMesh::default(); 2];
+    let mesh_only = capped.draw(&meshes, (None, scan.around()), size(), &Job::default());
+    assert!(matches!(mesh_only, Err(SceneError::NoValues)));
+    assert!(matches!(scene().cast(&scan, size(), &Job::default()), Err(SceneError::NoTransfer)));
+}
