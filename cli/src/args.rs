@@ -8,6 +8,7 @@ mod choices;
 mod extract;
 mod memory;
 mod output;
+mod render;
 mod values;
 mod volume;
 
@@ -17,6 +18,7 @@ pub(crate) use choices::{
 };
 pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;
+pub(crate) use render::RenderArgs;
 pub(crate) use values::{LevelArg, SampleType, Triple};
 pub(crate) use volume::VolumeArgs;
 
@@ -87,6 +89,8 @@ Examples:
 
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; meshes become .glb .gltf .obj .ply .stl.")]
     Convert(ConvertArgs),
+    /// Make a picture of surfaces, or of the values of a volume
+    Render(Box<RenderArgs>),
     /// Print a script that completes isokit's commands and options in a shell
     #[command(after_help = "\
 Example:

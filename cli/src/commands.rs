@@ -7,14 +7,35 @@ pub(crate) mod convert;
 pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;
+pub(crate) mod render;
 mod slabs;
 
-use crate::Session;
-use anyhow::Result;
+use crate::{Session, plan::TextTarget};
+use anyhow::{Context, Result};
 use isokit::{
-    io::MeshInput,
+    io::{MeshInput, Output},
     mesh::{Welded, weld_exact, weld_within},
 };
+use std::io::Write;
+
+/// Writes a report where it is to go, if anywhere.
+fn write_text(
+    target: Option<&TextTarget>,
+    text: &str,
+    session: &mut Session<'_, '_>,
+) -> Result<()> {
+    match target {
+        None => {}
+        Some(TextTarget::Stdout) => session.out.write_all(text.as_bytes())?,
+        Some(TextTarget::File(path)) => {
+            let mut output = Output::create(path)?;
+            let written = output.write_all(text.as_bytes());
+            written.with_context(|| format!("{}: cannot write", path.display()))?;
+            output.finish()?;
+        }
+    }
+    Ok(())
+}
 
 /// Makes one vertex of several where the user asks for it, and says so.
 fn weld(input: &mut MeshInput, distance: Option<f64>, session: &Session<'_, '_>) -> Result<()> {

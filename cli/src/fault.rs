@@ -7,6 +7,8 @@ use isokit::{
     marching_cubes::ExtractError,
     pipeline::PipelineError,
     refine::RefineError,
+    render::{RasterError, RaycastError},
+    scene::SceneError,
 };
 use std::{error::Error as StdError, io};
 
@@ -84,6 +86,7 @@ impl Fault {
 
 fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let pipeline = error.downcast_ref().map(of_pipeline);
+    let scene = || error.downcast_ref().map(of_scene);
     let usage = || error.downcast_ref::<UsageError>().map(|_| Fault::Usage);
     let caller = || error.downcast_ref().map(|error: &CallerError| Fault::Caller(error.advice));
     let read = || error.downcast_ref::<ReadError>().map(|error| of_read(&error.fault));
@@ -92,8 +95,13 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let cancelled = || error.downcast_ref::<isokit::job::Cancelled>().map(|_| Fault::Interrupted);
     let system = || error.downcast_ref().map(of_system);
     let threads = || error.downcast_ref().map(of_threads);
-    let found =
-        pipeline.or_else(usage).or_else(caller).or_else(read).or_else(write).or_else(stopped);
+    let found = pipeline
+        .or_else(scene)
+        .or_else(usage)
+        .or_else(caller)
+        .or_else(read)
+        .or_else(write)
+        .or_else(stopped);
     found.or_else(cancelled).or_else(threads).or_else(system)
 }
 
@@ -121,6 +129,31 @@ fn of_pipeline(error: &PipelineError) -> Fault {
         PipelineError::Iso { .. } => {
             Fault::File("give --iso a number; `isokit info` shows the range")
         }
+        _ => Fault::Ours("this should not happen; please report it"),
+    }
+}
+
+fn of_scene(error: &SceneError) -> Fault {
+    match error {
+        SceneError::Pipeline(error) => of_pipeline(error),
+        SceneError::Camera(_) => {
+            Fault::Caller("look at [camera], or leave it out to see all of it")
+        }
+        SceneError::Raster(RasterError::Stopped(stopped))
+        | SceneError::Raycast(RaycastError::Stopped(stopped))
+        | SceneError::Stopped(stopped) => of_stopped(stopped),
+        SceneError::Raster(RasterError::Size(_)) => Fault::Caller("choose a smaller --size"),
+        SceneError::Raster(RasterError::Triangles(_)) => {
+            Fault::Ours("show fewer surfaces, or cut some away with [[clip]]")
+        }
+        SceneError::Raycast(RaycastError::Length { .. }) => {
+            Fault::Caller("look at [sampling] step and [transfer] unit")
+        }
+        SceneError::UnknownSurface(_) => {
+            Fault::Caller("give [[surface]] and [[clip]] the same names")
+        }
+        SceneError::NoTransfer => Fault::Caller("give [transfer] points or a preset"),
+        SceneError::NoValues => Fault::Caller("leave out cap, or show the volume of the mesh"),
         _ => Fault::Ours("this should not happen; please report it"),
     }
 }

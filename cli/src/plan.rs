@@ -5,10 +5,13 @@ mod convert;
 mod extract;
 mod palette;
 mod places;
+mod render;
 mod target;
 
 pub(crate) use convert::{ConvertPlan, ConvertTo};
 pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
+pub(crate) use palette::color;
+pub(crate) use render::{LookPlan, RenderPlan, Subject, TransferPlan};
 pub(crate) use target::{MeshTarget, Stream, TextTarget};
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 mod layout;
 mod mesh;
 mod refine;
+mod render;
 mod system;
 mod timings;
 mod volume;
@@ -14,6 +15,7 @@ pub(crate) use mesh::{
     CheckReport, MeshCounts, MeshReport, SlabCounts, SurfaceBrief, SurfaceReport, around,
 };
 pub(crate) use refine::RefineReport;
+pub(crate) use render::{DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings};
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{VolumeFacts, VolumeReport};

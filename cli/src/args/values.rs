@@ -1,7 +1,8 @@
 //! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
 
 use isokit::{
-    geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, refine::Subdivision, volume::Dtype,
+    geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, refine::Subdivision, render::Size,
+    volume::Dtype,
 };
 use std::{any::type_name, num::NonZeroUsize, str::FromStr};
 
@@ -115,6 +116,26 @@ pub(crate) fn levels(text: &str) -> Result<u32, String> {
     number.ok_or_else(|| format!("expected 1 to {}, found {text:?}", Subdivision::MOST))
 }
 
+/// `WIDTHxHEIGHT` in pixels.
+pub(crate) fn size(text: &str) -> Result<Size, String> {
+    let sides = text.split_once('x').and_then(|(width, height)| {
+        Some(Size { width: width.parse().ok()?, height: height.parse().ok()? })
+    });
+    sides.ok_or_else(|| format!("expected WIDTHxHEIGHT such as 1024x768, found {text:?}"))
+}
+
+/// Any angle.
+pub(crate) fn angle(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("expected degrees, found {text:?}"))
+}
+
+/// The angle of a perspective.
+pub(crate) fn fov(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && *number < 180.0);
+    number.ok_or_else(|| format!("expected degrees above 0 and below 180, found {text:?}"))
+}
+
 /// A known unit by its symbol.
 pub(crate) fn unit(text: &str) -> Result<Unit, String> {
     let unit = Unit::from_symbol(text).filter(|unit| unit.metres().is_some());
@@ -127,7 +148,9 @@ pub(crate) fn unit(text: &str) -> Result<Unit, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LevelArg, SampleType, Triple, count, distance, error, levels, sizes, unit};
+    use super::{
+        LevelArg, SampleType, Triple, angle, count, distance, error, fov, levels, size, sizes, unit,
+    };
     use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
 
     fn level(text: &str) -> Result<LevelArg, String> {
@@ -219,5 +242,18 @@ mod tests {
         for text in ["0", "7", "-1", "1.5", "x", ""] {
             assert_eq!(levels(text), Err(format!("expected 1 to 6, found {text:?}")));
         }
+    }
+
+    #[test]
+    fn pictures_have_two_sides_and_angles_are_degrees() {
+        let found = size("1024x768").unwrap();
+        assert_eq!((found.width.get(), found.height.get()), (1024, 768));
+        for text in ["1024", "0x3", "3x0", "-1x2", "3x4x5", "x", "99999999999x1"] {
+            let refusal = format!("expected WIDTHxHEIGHT such as 1024x768, found {text:?}");
+            assert_eq!(size(text).unwrap_err(), refusal);
+        }
+        assert_eq!((angle("-30"), fov("179.5")), (Ok(-30.0), Ok(179.5)));
+        assert!(angle("inf").is_err() && fov("180").is_err() && fov("0").is_err());
+        assert!(fov("nan").is_err() && angle("x").is_err());
     }
 }

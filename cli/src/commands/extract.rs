@@ -1,6 +1,6 @@
 //! `extract`: from a volume to a mesh.
 
-use super::check::sentence;
+use super::{check::sentence, write_text};
 use crate::{
     Exit, Session,
     plan::{ExtractPlan, LevelPlan, Repeat, Stream},
@@ -10,9 +10,9 @@ use crate::{
     },
     text::{counted, grouped},
 };
-use anyhow::{Context, Result};
+use anyhow::Result;
 use isokit::{
-    io::{MeshContext, Output, Written, write_mesh, write_mesh_to},
+    io::{MeshContext, Written, write_mesh, write_mesh_to},
     job::Job,
     lanes::return_freed_memory,
     marching_cubes::{Extracted, Skipped},
@@ -20,23 +20,14 @@ use isokit::{
     pipeline::{Index, IsoChoice, PipelineError, Scan},
     refine::{Refined, Subdivision},
 };
-use std::{io::Write, time::Instant};
+use std::time::Instant;
 
 pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
     let text = session.watching(|session| match plan.max_memory {
         Some(limit) => super::slabs::extract(plan, limit, session),
         None => extract(plan, session),
     })?;
-    match &plan.report {
-        None => {}
-        Some(Stream::Stdout) => session.out.write_all(text.as_bytes())?,
-        Some(Stream::File(path)) => {
-            let mut output = Output::create(path)?;
-            let written = output.write_all(text.as_bytes());
-            written.with_context(|| format!("{}: cannot write", path.display()))?;
-            output.finish()?;
-        }
-    }
+    write_text(plan.report.as_ref(), &text, session)?;
     Ok(Exit::Done)
 }
 

@@ -16,7 +16,7 @@ const COLORS: [[u8; 3]; 8] = [
 ];
 
 /// The colour of surface number `n` of several.
-pub(super) fn color(n: usize) -> Rgba {
+pub(crate) fn color(n: usize) -> Rgba {
     let [r, g, b] = COLORS[n % COLORS.len()];
     Rgba([r, g, b, u8::MAX])
 }

@@ -10,6 +10,7 @@ mod info;
 mod kit;
 mod places;
 mod refine;
+mod render;
 mod report;
 mod slabs;
 mod streams;

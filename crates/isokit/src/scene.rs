@@ -13,9 +13,11 @@
 mod caps;
 mod error;
 mod needs;
+mod preset;
 
 pub use error::SceneError;
 pub use needs::{Needs, SurfaceNeed, Unneeded};
+pub use preset::Preset;
 
 use crate::pipeline::{Scan, SurfaceOptions};
 use caps::Caps;
@@ -241,6 +243,11 @@ impl Scene {
 
     fn halves(&self, look: &SurfaceLook) -> Vec<HalfSpace> {
         self.clips_of(look).map(|clip| clip.half).collect()
+    }
+
+    /// Whether a plane shows the values where it cuts.
+    pub fn has_slices(&self) -> bool {
+        self.clips.iter().any(|clip| clip.cap == CapStyle::Slice)
     }
 
     fn has_caps(&self) -> bool {

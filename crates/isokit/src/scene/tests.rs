@@ -1,6 +1,6 @@
 //! Balls within balls: seen, cut and left out.
 
-use super::{CapStyle, Clip, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
+use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
 use crate::pipeline::Scan;
 use isokit_geom::{Affine, Frame, HalfSpace};
 use isokit_job::Job;
@@ -176,4 +176,26 @@ fn a_scene_that_does_not_fit_together_is_refused() {
     let mesh_only = capped.draw(&meshes, (None, scan.around()), size(), &Job::default());
     assert!(matches!(mesh_only, Err(SceneError::NoValues)));
     assert!(matches!(scene().cast(&scan, size(), &Job::default()), Err(SceneError::NoTransfer)));
+}
+
+#[test]
+fn every_preset_shows_something_of_a_scan_with_such_values() {
+    for (preset, factor) in [(Preset::Auto, 1.0), (Preset::CtBone, 40.0), (Preset::CtSkin, 40.0)] {
+        let grid = Grid::new([30; 3], Frame::default()).unwrap();
+        let depth = |n: u64| {
+            let place = [n % 30, n / 30 % 30, n / 900].map(|i| i as f64 - 14.5);
+            (10.0 - place.iter().map(|c| c * c).sum::<f64>().sqrt()) * factor
+        };
+        let scan = Scan::new(
+            Volume::new(grid, (0..grid.count()).map(depth).collect::<Vec<f64>>()).unwrap(),
+        );
+        let transfer = preset.transfer(&scan, &Job::default()).unwrap();
+        let scene = Scene { transfer: Some(transfer), ..scene() };
+        let image = scene.cast(&scan, size(), &Job::default()).unwrap().0;
+        assert!(image.pixel(40, 40).opacity > 0.3, "{preset:?}");
+        assert_eq!(image.pixel(0, 0).opacity, 0.0);
+    }
+    let flat = Grid::new([3; 3], Frame::default()).unwrap();
+    let flat = Scan::new(Volume::new(flat, vec![1.0_f32; 27]).unwrap());
+    assert!(Preset::Auto.transfer(&flat, &Job::default()).is_err());
 }

@@ -1,0 +1,148 @@
+//! The options of `render`.
+
+use super::{LevelArg, VolumeArgs, values};
+use crate::scene_file::{Ground, ModeWord, PresetWord, SideWord};
+use clap::{Args, ValueEnum};
+use isokit::render::{Depth, Size, Smoothing};
+use std::{num::NonZeroUsize, path::PathBuf};
+
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  isokit render ct.nii.gz --iso -300:skin:#d8a58080 --iso 300:bone -o head.png
+  isokit render ct.nii.gz --preset ct-bone --view left -o bone.png
+  isokit render bone.stl --frames 36 -o turn.png
+  isokit render scene.toml --plan
+
+A scene file says more than options; each option, where given, comes before what the file says:
+
+  [volume]
+  path = \"ct.nii.gz\"           # beside the scene file
+  [[surface]]                  # any number, or none
+  name = \"skin\"
+  iso = -300
+  color = \"#d8a580\"
+  opacity = 0.35
+  [[clip]]                     # keeps n . x <= d, in world units
+  plane = [0, 1, 0, 12.5]      # n and d
+  surfaces = [\"skin\"]          # default: all, and rays
+  cap = \"slice\"                # none, solid, slice: the values there
+  [transfer]                   # for mode = \"raycast\" and slices
+  points = [[-1000, \"#00000000\"], [300, \"#e8dcc0c0\"]]
+  unit = 1.0                   # opacities are those over so many world units
+  [camera]                     # or: view = \"left\", orbit = 30
+  projection = \"perspective\"   # parallel: height = world units in the picture
+  from = [300, -400, 120]
+  at = \"center\"
+  up = [0, 0, 1]
+  fov = 30
+  [light]                      # ambient, diffuse, specular, shininess
+  shading = \"gradient\"         # none: colours as they are
+  [sampling]
+  step = 0.5                   # of the smallest spacing
+  [output]
+  size = [1024, 1024]
+  mode = \"surfaces\"            # raycast
+  background = \"#ffffff\"       # transparent")]
+pub(crate) struct RenderArgs {
+    /// A scene (.toml), a volume or a mesh
+    pub(crate) input: PathBuf,
+    /// The picture to write, as PNG. - writes to stdout
+    #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
+    pub(crate) output: Option<PathBuf>,
+    /// Say what would be computed, and what not because the picture does not need it; then stop
+    #[arg(long)]
+    pub(crate) plan: bool,
+    /// Show the surface of this value: as in `extract`; an opacity in the colour lets one look through it.
+    /// Repeat it for several
+    #[arg(
+        long,
+        value_name = "V[:NAME][:COLOR]",
+        allow_hyphen_values = true,
+        help_heading = "Scene"
+    )]
+    pub(crate) iso: Vec<LevelArg>,
+    /// What is shown [default: surfaces with --iso or of a mesh, else raycast]
+    #[arg(long, value_enum, help_heading = "Scene")]
+    pub(crate) mode: Option<ModeWord>,
+    /// What values look like to rays and on slices [default: auto]
+    #[arg(long, value_enum, help_heading = "Scene")]
+    pub(crate) preset: Option<PresetWord>,
+    /// The side from which all of it is seen [default: anterior]
+    #[arg(long, value_enum, help_heading = "Camera")]
+    pub(crate) view: Option<SideWord>,
+    /// Go around it by so many degrees, seen from above counter-clockwise
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = values::angle)]
+    #[arg(help_heading = "Camera")]
+    pub(crate) orbit: Option<f64>,
+    /// Angle of the perspective [default: 30]
+    #[arg(long, value_name = "DEGREES", value_parser = values::fov, help_heading = "Camera")]
+    pub(crate) fov: Option<f64>,
+    /// What is far away is no smaller
+    #[arg(long, conflicts_with = "fov", help_heading = "Camera")]
+    pub(crate) parallel: bool,
+    /// Make N pictures on the way around it, FILE_001.png and so on
+    #[arg(long, value_name = "N", value_parser = values::count, help_heading = "Camera")]
+    pub(crate) frames: Option<NonZeroUsize>,
+    /// Pixels [default: 1024x1024]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = values::size, help_heading = "Picture")]
+    pub(crate) size: Option<Size>,
+    /// What is behind everything: #rrggbb or transparent [default: #ffffff]
+    #[arg(long, value_name = "COLOR", help_heading = "Picture")]
+    pub(crate) background: Option<Ground>,
+    /// Points of each pixel at which surfaces are looked at
+    #[arg(long, value_enum, default_value_t, value_name = "N", help_heading = "Picture")]
+    pub(crate) smoothing: SmoothingArg,
+    /// Bits of each part of a colour
+    #[arg(long, value_enum, default_value_t, value_name = "N", help_heading = "Picture")]
+    pub(crate) bits: BitsArg,
+    /// Write a report as JSON, to a file or to - for stdout
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
+    pub(crate) report: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SmoothingArg {
+    /// Edges are jagged
+    #[value(name = "1")]
+    One,
+    /// For displays
+    #[default]
+    #[value(name = "4")]
+    Four,
+    /// For print
+    #[value(name = "16")]
+    Sixteen,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BitsArg {
+    /// What displays show
+    #[default]
+    #[value(name = "8")]
+    Eight,
+    /// For further work
+    #[value(name = "16")]
+    Sixteen,
+}
+
+impl From<SmoothingArg> for Smoothing {
+    fn from(arg: SmoothingArg) -> Self {
+        match arg {
+            SmoothingArg::One => Self::None,
+            SmoothingArg::Four => Self::Four,
+            SmoothingArg::Sixteen => Self::Sixteen,
+        }
+    }
+}
+
+impl From<BitsArg> for Depth {
+    fn from(arg: BitsArg) -> Self {
+        match arg {
+            BitsArg::Eight => Self::Eight,
+            BitsArg::Sixteen => Self::Sixteen,
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! `render`: from a scene, a volume or a mesh to a picture.
+
+use super::write_text;
+use crate::{
+    Exit, Session,
+    plan::{LookPlan, RenderPlan, Stream, Subject, TransferPlan, color},
+    report::{
+        DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings, VolumeFacts, timed,
+        to_json,
+    },
+    scene_file::ModeWord,
+    text::{counted, grouped},
+};
+use anyhow::{Context, Result};
+use isokit::{
+    geom::{Aabb, Space},
+    io::{Output, read_mesh},
+    mesh::TriMesh,
+    pipeline::{IsoChoice, Region, Scan, TargetSpace},
+    render::{Image, write_png},
+    scene::{Scene, SurfaceLook},
+};
+use std::{
+    io::{BufWriter, Write},
+    time::Instant,
+};
+
+pub(crate) fn run(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
+    let text = session.watching(|session| render(plan, session))?;
+    if plan.targets.is_empty() && plan.report.is_none() {
+        session.out.write_all(text.as_bytes())?;
+        return Ok(Exit::Done);
+    }
+    write_text(plan.report.as_ref(), &text, session)?;
+    Ok(Exit::Done)
+}
+
+/// What is looked at, in memory.
+struct Seen {
+    scene: Scene,
+    scan: Option<Scan>,
+    /// One for each surface of the scene, once they are made.
+    meshes: Vec<TriMesh>,
+    around: (Aabb, Space),
+    input: RenderInput,
+}
+
+/// Makes the pictures; the report comes back as text, or what would be done.
+fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
+    let (start, mut timings) = (Instant::now(), RenderTimings::default());
+    let mut seen = timed(&mut timings.read, || read(plan, session))?;
+    let is_plan = plan.targets.is_empty();
+    let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
+    let mut skipped = RenderSkipped::default();
+    if let (Some(scan), ModeWord::Surfaces, true) = (&seen.scan, plan.mode, wants_needs) {
+        skipped = RenderSkipped::of(&seen.scene.needs(scan, &session.job)?);
+    }
+    if !is_plan {
+        if let (Some(scan), ModeWord::Surfaces) = (&seen.scan, plan.mode) {
+            let made = timed(&mut timings.extract, || seen.scene.meshes(scan, &session.job));
+            seen.meshes = made?;
+        }
+        pictures(plan, &mut seen, (&mut skipped, &mut timings), session)?;
+    }
+    timings.total = start.elapsed().as_secs_f64();
+    let surfaces = surfaces(plan, &seen);
+    if is_plan && plan.report.is_none() {
+        return Ok(plan_lines(plan, &seen, &skipped));
+    }
+    tell(&skipped, &timings, session);
+    let outputs = plan.targets.iter().filter_map(|target| match target {
+        Stream::File(path) => Some(path.clone()),
+        Stream::Stdout => None,
+    });
+    let report = RenderReport {
+        mode: mode_name(plan.mode),
+        size: [plan.size.width.get(), plan.size.height.get()],
+        surfaces,
+        outputs: outputs.collect(),
+        skipped,
+        timings_s: timings,
+        threads: session.job.threads.count(),
+        ..RenderReport::new(&session.command, seen.input)
+    };
+    Ok(to_json(&report)?)
+}
+
+/// Reads what is looked at, and finds out what is still to be chosen.
+fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
+    let mut scene = Scene {
+        surfaces: vec![],
+        clips: plan.clips.clone(),
+        transfer: None,
+        viewpoint: plan.viewpoints[0],
+        raster: plan.raster,
+        raycast: plan.raycast,
+    };
+    match &plan.subject {
+        Subject::Volume(path, options) => {
+            let (space, whole) = (TargetSpace::Source, Region::Whole);
+            let scan = Scan::open(path, options, space, &whole, &session.job)?;
+            scan.notes().iter().for_each(|note| session.console.note(note));
+            let look = |look: &LookPlan| surface_look(look, &scan, session);
+            scene.surfaces = plan.surfaces.iter().map(look).collect::<Result<_>>()?;
+            let needs_transfer = plan.mode == ModeWord::Raycast || scene.has_slices();
+            scene.transfer = match &plan.transfer {
+                TransferPlan::Points(points) => Some(points.clone()),
+                TransferPlan::Preset(preset) if needs_transfer => {
+                    Some(preset.transfer(&scan, &session.job)?)
+                }
+                TransferPlan::Preset(_) => None,
+            };
+            let statistics = scan.statistics(&session.job)?;
+            let input = RenderInput::Volume(Box::new(VolumeFacts::of(path, &scan, &statistics)));
+            let around = scan.around();
+            Ok(Seen { scene, scan: Some(scan), meshes: vec![], around, input })
+        }
+        Subject::Mesh(path) => {
+            let input = read_mesh(path, &session.job)?;
+            input.notes.iter().for_each(|note| session.console.note(note));
+            let mut meshes = vec![];
+            for (n, surface) in input.surfaces.into_iter().enumerate() {
+                let [r, g, b, opacity] = surface.color.unwrap_or(color(n)).to_linear();
+                let name = surface.name;
+                scene.surfaces.push(SurfaceLook { name, iso: None, color: [r, g, b], opacity });
+                meshes.push(surface.mesh);
+            }
+            let boxes = meshes.iter().filter_map(TriMesh::bounds);
+            let bounds = boxes.reduce(|a, b| a.with(b.min).with(b.max));
+            // A picture of nothing has a camera too.
+            let bounds = bounds.unwrap_or(Aabb { min: [0.0; 3], max: [1.0; 3] });
+            let path = path.display().to_string();
+            let (around, input) = ((bounds, input.space), RenderInput::Mesh { path });
+            Ok(Seen { scene, scan: None, meshes, around, input })
+        }
+    }
+}
+
+/// A surface with the isovalue that was meant. What was chosen for the user is told.
+fn surface_look(look: &LookPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<SurfaceLook> {
+    let iso = scan.iso(look.iso, &session.job)?;
+    if !matches!(look.iso, IsoChoice::Value(_)) {
+        session.console.note(&format!("iso {} is {iso} here", look.iso));
+    }
+    let name = look.name.clone().unwrap_or_else(|| format!("iso_{iso}"));
+    let [r, g, b, _] = look.color.to_linear();
+    Ok(SurfaceLook { name, iso: Some(iso), color: [r, g, b], opacity: look.opacity })
+}
+
+/// Makes and writes one picture after the other.
+fn pictures(
+    plan: &RenderPlan,
+    seen: &mut Seen,
+    (skipped, timings): (&mut RenderSkipped, &mut RenderTimings),
+    session: &mut Session<'_, '_>,
+) -> Result<()> {
+    for (viewpoint, target) in plan.viewpoints.iter().zip(&plan.targets) {
+        seen.scene.viewpoint = *viewpoint;
+        let (size, job) = (plan.size, session.job.clone());
+        let image = timed(&mut timings.render, || -> Result<Image> {
+            match (plan.mode, &seen.scan) {
+                (ModeWord::Raycast, Some(scan)) => {
+                    let (image, cast) = seen.scene.cast(scan, size, &job)?;
+                    skipped.add_cast(&cast);
+                    Ok(image)
+                }
+                (_, scan) => {
+                    let subject = (scan.as_ref(), seen.around);
+                    let (image, drawn) = seen.scene.draw(&seen.meshes, subject, size, &job)?;
+                    skipped.add_drawn(&drawn);
+                    Ok(image)
+                }
+            }
+        })?;
+        timed(&mut timings.write, || write(plan, &image, target, session))?;
+    }
+    Ok(())
+}
+
+fn write(
+    plan: &RenderPlan,
+    image: &Image,
+    target: &Stream,
+    session: &mut Session<'_, '_>,
+) -> Result<()> {
+    match target {
+        Stream::Stdout => write_png(image, plan.background, plan.depth, &mut session.out)?,
+        Stream::File(path) => {
+            let mut output = Output::create(path)?;
+            let mut buffer = BufWriter::new(&mut output);
+            let written = write_png(image, plan.background, plan.depth, &mut buffer);
+            let what = || format!("{}: cannot write", path.display());
+            written.with_context(what)?;
+            buffer.flush().with_context(what)?;
+            drop(buffer);
+            output.finish()?;
+            session.console.info(&format!("wrote {}", path.display()));
+        }
+    }
+    Ok(())
+}
+
+fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {
+    if plan.mode == ModeWord::Raycast {
+        return vec![];
+    }
+    let looks = seen.scene.surfaces.iter().enumerate();
+    let drawn = looks.map(|(n, look)| DrawnSurface {
+        name: look.name.clone(),
+        iso: look.iso,
+        opacity: look.opacity,
+        triangles: seen.meshes.get(n).map_or(0, |mesh| mesh.triangles.len() as u64),
+    });
+    drawn.collect()
+}
+
+/// Says what was computed, and what not.
+fn tell(skipped: &RenderSkipped, timings: &RenderTimings, session: &Session<'_, '_>) {
+    skipped_lines(skipped).iter().for_each(|line| session.console.detail(line));
+    let RenderTimings { read, extract, render, write, total } = timings;
+    session.console.detail(&format!(
+        "read {read:.3} s, extract {extract:.3} s, render {render:.3} s, write {write:.3} s, \
+         total {total:.3} s"
+    ));
+}
+
+/// What would be done, for people.
+fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String {
+    let pictures = counted(plan.viewpoints.len() as u64, "picture", "pictures");
+    let [width, height] = [plan.size.width, plan.size.height];
+    let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
+    if plan.mode == ModeWord::Surfaces {
+        for look in &seen.scene.surfaces {
+            let why = skipped.surfaces.iter().find(|skipped| skipped.name == look.name);
+            let what = match (why, look.iso) {
+                (Some(why), _) => format!("not made: {}", why.why),
+                (None, Some(iso)) => format!("extracted at {iso}, with normals"),
+                (None, None) => "read".to_owned(),
+            };
+            lines.push(format!("  {}: {what}", look.name));
+        }
+        lines.push("not computed: attributes and vertex colours, which no picture shows".into());
+    } else if !seen.scene.surfaces.is_empty() {
+        lines.push("not computed: surfaces, which rays do not show".into());
+    }
+    lines.extend(skipped_lines(skipped));
+    lines.join("\n") + "\n"
+}
+
+/// What is not computed, a sentence each.
+fn skipped_lines(skipped: &RenderSkipped) -> Vec<String> {
+    let of = |part: u64, all: u64, what: &str| {
+        (all > 0).then(|| format!("skipped {} of {} {what}", grouped(part), grouped(all)))
+    };
+    let triangles = skipped.triangles + skipped.triangles_skipped;
+    let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
+    [
+        of(skipped.bricks_skipped, skipped.bricks, "bricks, through which no surface goes"),
+        of(skipped.samples_skipped, skipped.samples, "samples, which planes cut away"),
+        of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
+        of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
+        of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn mode_name(mode: ModeWord) -> &'static str {
+    match mode {
+        ModeWord::Surfaces => "surfaces",
+        ModeWord::Raycast => "raycast",
+    }
+}

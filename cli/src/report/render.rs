@@ -1,0 +1,144 @@
+//! What `render` computed, and what not.
+
+use super::{VolumeFacts, peak_rss_bytes, simd};
+use isokit::{
+    render::{Cast, Drawn},
+    scene::{Needs, SurfaceNeed},
+};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What `render --report` writes.
+#[derive(Debug, Serialize)]
+pub(crate) struct RenderReport<'a> {
+    pub(crate) schema: &'static str,
+    pub(crate) command: &'a str,
+    pub(crate) input: RenderInput,
+    pub(crate) mode: &'static str,
+    pub(crate) size: [u32; 2],
+    pub(crate) surfaces: Vec<DrawnSurface>,
+    pub(crate) outputs: Vec<PathBuf>,
+    pub(crate) skipped: RenderSkipped,
+    pub(crate) timings_s: RenderTimings,
+    pub(crate) threads: usize,
+    pub(crate) simd: &'static str,
+    pub(crate) peak_rss_bytes: Option<u64>,
+    pub(crate) version: &'static str,
+}
+
+/// What was looked at.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(crate) enum RenderInput {
+    Volume(Box<VolumeFacts>),
+    Mesh { path: String },
+}
+
+/// One surface.
+#[derive(Debug, Serialize)]
+pub(crate) struct DrawnSurface {
+    pub(crate) name: String,
+    pub(crate) iso: Option<f64>,
+    pub(crate) opacity: f32,
+    /// As many as were extracted or read.
+    pub(crate) triangles: u64,
+}
+
+/// What was not computed, of all pictures together.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct RenderSkipped {
+    /// Bricks of the volume.
+    pub(crate) bricks: u64,
+    /// Those that no surface in the picture goes through.
+    pub(crate) bricks_skipped: u64,
+    pub(crate) samples: u64,
+    /// Those that planes cut away from all surfaces.
+    pub(crate) samples_skipped: u64,
+    /// Surfaces that were not made, and why.
+    pub(crate) surfaces: Vec<SkippedSurface>,
+    /// Triangles that were put into the picture.
+    pub(crate) triangles: u64,
+    /// Triangles beside it, cut away or invisible.
+    pub(crate) triangles_skipped: u64,
+    /// Points of translucent triangles behind what is opaque.
+    pub(crate) points_hidden: u64,
+    /// Steps of rays at which a value was looked at.
+    pub(crate) steps: u64,
+    /// Steps through bricks of which nothing can be seen.
+    pub(crate) steps_leapt: u64,
+    /// Steps behind what is opaque.
+    pub(crate) steps_hidden: u64,
+}
+
+/// A surface that was not made.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct SkippedSurface {
+    pub(crate) name: String,
+    pub(crate) why: String,
+}
+
+/// Seconds per step.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct RenderTimings {
+    /// From the file to samples or triangles in memory.
+    pub(crate) read: f64,
+    /// From samples to surfaces.
+    pub(crate) extract: f64,
+    /// From there to pictures in memory.
+    pub(crate) render: f64,
+    /// From there to files.
+    pub(crate) write: f64,
+    /// All of it.
+    pub(crate) total: f64,
+}
+
+impl RenderReport<'_> {
+    /// What can be said of every run.
+    pub(crate) fn new(command: &str, input: RenderInput) -> RenderReport<'_> {
+        RenderReport {
+            schema: "isokit.render/1",
+            command,
+            input,
+            mode: "surfaces",
+            size: [0; 2],
+            surfaces: vec![],
+            outputs: vec![],
+            skipped: RenderSkipped::default(),
+            timings_s: RenderTimings::default(),
+            threads: 0,
+            simd: simd(),
+            peak_rss_bytes: peak_rss_bytes(),
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}
+
+impl RenderSkipped {
+    /// What is known before anything is drawn.
+    pub(crate) fn of(needs: &Needs) -> Self {
+        let skipped = |need: &SurfaceNeed| {
+            let why = need.part.as_ref().err()?.to_string();
+            Some(SkippedSurface { name: need.name.clone(), why })
+        };
+        Self {
+            bricks: needs.bricks,
+            bricks_skipped: needs.bricks_skipped,
+            samples: needs.samples,
+            samples_skipped: needs.samples_skipped,
+            surfaces: needs.surfaces.iter().filter_map(skipped).collect(),
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn add_drawn(&mut self, drawn: &Drawn) {
+        self.triangles += drawn.triangles;
+        self.triangles_skipped += drawn.triangles_skipped;
+        self.points_hidden += drawn.hidden;
+    }
+
+    pub(crate) fn add_cast(&mut self, cast: &Cast) {
+        self.steps += cast.steps;
+        self.steps_leapt += cast.steps_leapt;
+        self.steps_hidden += cast.steps_hidden;
+    }
+}

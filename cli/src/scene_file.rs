@@ -1,0 +1,325 @@
+//! The scene file: what is to be seen, as TOML. Unknown words are refused with their line.
+
+use crate::fault::CallerError;
+use anyhow::{Context, Result};
+use isokit::{mesh::Rgba, pipeline::IsoChoice};
+use serde::{Deserialize, Deserializer, de::Error};
+use std::{fs, path::Path};
+
+/// All that a file may say.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SceneFile {
+    pub(crate) volume: Option<VolumeTable>,
+    #[serde(default)]
+    pub(crate) surface: Vec<SurfaceTable>,
+    #[serde(default)]
+    pub(crate) clip: Vec<ClipTable>,
+    pub(crate) transfer: Option<TransferTable>,
+    #[serde(default)]
+    pub(crate) camera: CameraTable,
+    #[serde(default)]
+    pub(crate) light: LightTable,
+    #[serde(default)]
+    pub(crate) sampling: SamplingTable,
+    #[serde(default)]
+    pub(crate) output: OutputTable,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct VolumeTable {
+    /// Beside the scene file, unless it is absolute.
+    pub(crate) path: String,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SurfaceTable {
+    pub(crate) name: Option<String>,
+    #[serde(deserialize_with = "iso")]
+    pub(crate) iso: IsoChoice,
+    pub(crate) color: Option<Color>,
+    pub(crate) opacity: Option<f32>,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ClipTable {
+    /// A normal n and a number d: kept is n · x <= d.
+    pub(crate) plane: [f64; 4],
+    pub(crate) surfaces: Option<Vec<String>>,
+    #[serde(default)]
+    pub(crate) cap: CapWord,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum CapWord {
+    #[default]
+    None,
+    Solid,
+    Slice,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TransferTable {
+    pub(crate) points: Option<Vec<(f64, Color)>>,
+    pub(crate) preset: Option<PresetWord>,
+    pub(crate) unit: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum PresetWord {
+    /// What is above Otsu's threshold, lighter the higher it is
+    Auto,
+    /// Bone in Hounsfield units
+    CtBone,
+    /// Translucent skin with bone behind it, in Hounsfield units
+    CtSkin,
+}
+
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CameraTable {
+    pub(crate) projection: Option<ProjectionWord>,
+    pub(crate) from: Option<[f64; 3]>,
+    pub(crate) at: Option<At>,
+    pub(crate) up: Option<[f64; 3]>,
+    pub(crate) fov: Option<f64>,
+    pub(crate) height: Option<f64>,
+    pub(crate) view: Option<SideWord>,
+    pub(crate) orbit: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ProjectionWord {
+    Perspective,
+    Parallel,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(untagged, expecting = "expected \"center\" or three numbers")]
+pub(crate) enum At {
+    Center(Center),
+    Place([f64; 3]),
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+pub(crate) enum Center {
+    #[serde(rename = "center")]
+    Center,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SideWord {
+    /// From the front
+    #[default]
+    Anterior,
+    /// From behind
+    Posterior,
+    /// From the body's left
+    Left,
+    /// From the body's right
+    Right,
+    /// From above the head
+    Superior,
+    /// From below the feet
+    Inferior,
+}
+
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LightTable {
+    #[serde(default)]
+    pub(crate) shading: ShadingWord,
+    pub(crate) ambient: Option<f32>,
+    pub(crate) diffuse: Option<f32>,
+    pub(crate) specular: Option<f32>,
+    pub(crate) shininess: Option<u16>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ShadingWord {
+    #[default]
+    Gradient,
+    None,
+}
+
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SamplingTable {
+    pub(crate) step: Option<f64>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OutputTable {
+    pub(crate) size: Option<[u32; 2]>,
+    pub(crate) mode: Option<ModeWord>,
+    pub(crate) background: Option<Ground>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ModeWord {
+    /// Isosurfaces, or the surfaces of a mesh
+    Surfaces,
+    /// The values themselves, through a transfer function
+    Raycast,
+}
+
+/// A colour in a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Color(pub(crate) Rgba);
+
+/// A background.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Ground {
+    Transparent,
+    Color(Rgba),
+}
+
+impl SceneFile {
+    /// The scene in a file.
+    pub(crate) fn read(path: &Path) -> Result<Self> {
+        let text = fs::read_to_string(path)
+            .with_context(|| format!("{}: cannot read the scene", path.display()))?;
+        toml::from_str(&text).map_err(|error| {
+            let message = format!("{}: {}", path.display(), error.to_string().trim_end());
+            let advice = "`isokit render --help` shows a scene file";
+            CallerError { message, advice }.into()
+        })
+    }
+}
+
+impl std::str::FromStr for Ground {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("expected transparent or an opaque #rrggbb, found {text:?}");
+        match text {
+            "transparent" => Ok(Self::Transparent),
+            color => match color.parse() {
+                Ok(color @ Rgba([.., u8::MAX])) => Ok(Self::Color(color)),
+                _ => Err(expected()),
+            },
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Ground {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
+impl<'de> Deserialize<'de> for Color {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map(Self).map_err(D::Error::custom)
+    }
+}
+
+fn iso<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IsoChoice, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected a number, \"auto\" or a percentage such as \"50%\"")]
+    enum Iso {
+        Value(f64),
+        Word(String),
+    }
+    match Iso::deserialize(deserializer)? {
+        Iso::Value(value) if value.is_finite() => Ok(IsoChoice::Value(value)),
+        Iso::Value(value) => Err(D::Error::custom(format!("an isovalue is finite, found {value}"))),
+        Iso::Word(word) => word.parse().map_err(D::Error::custom),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{At, CapWord, Color, Ground, ModeWord, PresetWord, SceneFile};
+    use isokit::{mesh::Rgba, pipeline::IsoChoice};
+
+    fn refusal(text: &str) -> String {
+        toml::from_str::<SceneFile>(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn everything_that_a_scene_may_say_is_read() {
+        let scene: SceneFile = toml::from_str(
+            r##"
+            [volume]
+            path = "head.nii.gz"
+            [[surface]]
+            name = "skin"
+            iso = -300
+            color = "#d8a580"
+            opacity = 0.35
+            [[surface]]
+            iso = "50%"
+            [[clip]]
+            plane = [1, 0.0, 0.0, 12.5]
+            surfaces = ["skin"]
+            cap = "slice"
+            [transfer]
+            points = [[-1000, "#00000000"], [300.5, "#e8dcc0c0"]]
+            unit = 1.5
+            [camera]
+            projection = "perspective"
+            from = [300, -400, 120]
+            at = "center"
+            up = [0, 0, 1]
+            fov = 30
+            [light]
+            shading = "gradient"
+            specular = 0.3
+            [sampling]
+            step = 0.25
+            [output]
+            size = [1024, 768]
+            mode = "surfaces"
+            background = "#ffffff"
+            "##,
+        )
+        .unwrap();
+        assert_eq!(scene.surface[0].iso, IsoChoice::Value(-300.0));
+        assert_eq!(scene.surface[1].iso, IsoChoice::Percent(50.0));
+        assert_eq!(scene.clip[0].plane, [1.0, 0.0, 0.0, 12.5]);
+        assert_eq!(scene.clip[0].cap, CapWord::Slice);
+        let points = scene.transfer.unwrap().points.unwrap();
+        assert_eq!(points[1], (300.5, Color(Rgba([0xe8, 0xdc, 0xc0, 0xc0]))));
+        assert!(matches!(scene.camera.at, Some(At::Center(_))));
+        assert_eq!(scene.output.mode, Some(ModeWord::Surfaces));
+        assert_eq!(scene.output.background, Some(Ground::Color(Rgba([255; 4]))));
+        let preset: SceneFile = toml::from_str("[transfer]\npreset = \"ct-bone\"").unwrap();
+        assert_eq!(preset.transfer.unwrap().preset, Some(PresetWord::CtBone));
+    }
+
+    #[test]
+    fn a_word_too_many_is_refused_with_its_line() {
+        let found = refusal("[camera]\nview = \"left\"\nzoom = 3\n");
+        assert!(found.contains("line 3") && found.contains("unknown field `zoom`"), "{found}");
+        for (text, says) in [
+            (
+                "[output]\nmode = \"splat\"",
+                "unknown variant `splat`, expected `surfaces` or `raycast`",
+            ),
+            ("[output]\nbackground = \"#ffffff80\"", "expected transparent or an opaque #rrggbb"),
+            ("[[surface]]\niso = \"bone\"", "expected a number, a percentage"),
+            ("[[surface]]\niso = nan", "an isovalue is finite"),
+            ("[[surface]]\niso = true", "\"auto\" or a percentage"),
+            ("[[surface]]\niso = 1\ncolor = \"red\"", "expected #rrggbb or #rrggbbaa"),
+            ("[[clip]]\nplane = [1, 0, 0]", "length"),
+            ("[camera]\nat = \"middle\"", "expected \"center\" or three numbers"),
+            ("[volume]\n", "missing field `path`"),
+        ] {
+            let found = refusal(text);
+            assert!(found.contains(says), "{text}: {found}");
+        }
+    }
+}

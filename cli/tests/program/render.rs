@@ -1,0 +1,228 @@
+//! `render`: what becomes of scenes, volumes and meshes.
+
+use crate::kit::Folder;
+use isokit_cli::Exit;
+use std::{fs, io::Cursor};
+
+/// Pixels of a picture of 8 bits: width, and the parts of each.
+fn pixels(folder: &Folder, name: &str) -> (usize, Vec<Vec<u8>>) {
+    decoded(fs::read(folder.path(name)).unwrap())
+}
+
+fn decoded(bytes: Vec<u8>) -> (usize, Vec<Vec<u8>>) {
+    let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+    let mut all = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut all).unwrap();
+    let parts = info.color_type.samples();
+    (info.width as usize, all.chunks(parts).map(<[u8]>::to_vec).collect())
+}
+
+/// The pixel in the middle of a square picture.
+fn middle(folder: &Folder, name: &str) -> Vec<u8> {
+    let (width, pixels) = pixels(folder, name);
+    pixels[width / 2 * width + width / 2].clone()
+}
+
+const SCENE: &str = r##"
+[volume]
+path = "ball.nii"
+[[surface]]
+name = "wall"
+iso = 50
+color = "#ff0000"
+[[surface]]
+name = "core"
+iso = 70
+color = "#0000ff"
+[[clip]]
+plane = [0, 1, 0, 33]
+surfaces = ["wall"]
+[light]
+shading = "none"
+[output]
+size = [65, 65]
+"##;
+
+#[test]
+fn a_volume_becomes_a_picture_of_a_surface_or_of_its_values() {
+    let folder = Folder::with_ball();
+    let ran = folder.done("render ball.nii --iso 50:ball:#00ff00 --size 65x65 -o a.png");
+    assert!(ran.err.contains("a.png\n"), "{}", ran.err);
+    let [r, g, b] = middle(&folder, "a.png")[..] else { panic!("three parts") };
+    assert!(g > 200 && r < 120 && b < 120, "{r}, {g}, {b}");
+    let (_, all) = pixels(&folder, "a.png");
+    assert_eq!(all[0], [255; 3]);
+    folder.done("render ball.nii --size 65x65 --background #000000 -o b.png");
+    let (_, all) = pixels(&folder, "b.png");
+    assert_eq!(all[0], [0; 3]);
+    assert!(middle(&folder, "b.png")[0] > 20);
+}
+
+#[test]
+fn a_scene_says_what_is_seen_and_options_come_before_it() {
+    let folder = Folder::with_ball();
+    fs::write(folder.path("s.toml"), SCENE).unwrap();
+    // The front of the wall is cut away: the camera looks along -y.
+    folder.done("render s.toml -o a.png");
+    assert_eq!(middle(&folder, "a.png"), [0, 0, 255]);
+    folder.done("render s.toml --view posterior -o b.png");
+    assert_eq!(middle(&folder, "b.png"), [255, 0, 0]);
+    folder.done("render s.toml --size 33x33 --background transparent -o c.png");
+    let (width, all) = pixels(&folder, "c.png");
+    assert_eq!(
+        (width, all[0].clone(), all[16 * 33 + 16].clone()),
+        (33, vec![0; 4], vec![0, 0, 255, 255])
+    );
+}
+
+#[test]
+fn a_mesh_is_seen_in_its_own_colours() {
+    let folder = Folder::with_ball();
+    folder.done("extract ball.nii --iso 50:ball:#00ff0080 -o a.glb");
+    folder.done("render a.glb --size 65x65 --background transparent -o a.png");
+    let [r, g, b, opacity] = middle(&folder, "a.png")[..] else { panic!("four parts") };
+    assert!(g > 150 && r < 140 && b < 140, "{r}, {g}, {b}");
+    // Through two walls: 1 - (1 - 128/255)^2.
+    assert_eq!(opacity, 192);
+}
+
+#[test]
+fn a_plan_is_told_and_nothing_is_written() {
+    let folder = Folder::with_ball();
+    fs::write(folder.path("s.toml"), SCENE.replace("\"#0000ff\"", "\"#0000ff00\"")).unwrap();
+    let ran = folder.done("render s.toml --plan");
+    for says in [
+        "1 picture of 65 x 65, surfaces",
+        "wall: extracted at 50, with normals",
+        "core: not made: its opacity is 0",
+        "bricks, through which no surface goes",
+    ] {
+        assert!(ran.text().contains(says), "{says}: {}", ran.text());
+    }
+    assert_eq!(folder.names(), ["ball.nii", "s.toml"]);
+}
+
+#[test]
+fn the_report_says_what_was_not_computed() {
+    let folder = Folder::with_ball();
+    fs::write(folder.path("s.toml"), SCENE).unwrap();
+    folder.done("render s.toml -o a.png --report r.json");
+    let report = folder.json("r.json");
+    assert_eq!(report["schema"], "isokit.render/1");
+    assert_eq!(report["surfaces"][0]["name"], "wall");
+    assert!(report["surfaces"][1]["triangles"].as_u64().unwrap() > 20);
+    assert!(report["skipped"]["triangles_skipped"].as_u64().unwrap() > 50, "{report}");
+    assert!(report["timings_s"]["render"].as_f64().unwrap() > 0.0);
+    folder.done("render ball.nii --size 65x65 -o b.png --report r.json");
+    let report = folder.json("r.json");
+    assert_eq!(report["mode"], "raycast");
+    assert!(report["skipped"]["steps"].as_u64().unwrap() > 1000, "{report}");
+}
+
+#[test]
+fn a_way_around_is_a_picture_for_each_step() {
+    let folder = Folder::with_ball();
+    folder.done("render ball.nii --iso 50 --size 20x20 --frames 3 -o turn.png");
+    let names = ["ball.nii", "turn_001.png", "turn_002.png", "turn_003.png"];
+    assert_eq!(folder.names(), names);
+    folder.done("render ball.nii --iso 50 --size 20x20 --orbit 120 -o one.png");
+    let read = |name| fs::read(folder.path(name)).unwrap();
+    assert_eq!(read("turn_002.png"), read("one.png"));
+}
+
+#[test]
+fn any_number_of_threads_writes_the_same_bytes() {
+    let folder = Folder::with_ball();
+    for scene in ["--iso 50:#ff000080 --iso 70", "--preset auto"] {
+        let bytes = ["1", "2", "7"].map(|threads| {
+            folder.done(&format!(
+                "render ball.nii {scene} --size 70x50 --threads {threads} -o a.png"
+            ));
+            fs::read(folder.path("a.png")).unwrap()
+        });
+        assert!(bytes.iter().all(|other| *other == bytes[0]));
+    }
+}
+
+#[test]
+fn a_picture_goes_to_stdout_with_as_many_bits_as_asked_for() {
+    let folder = Folder::with_ball();
+    let ran = folder.done("render ball.nii --iso 50 --size 20x20 --bits 16 -o -");
+    let reader = png::Decoder::new(Cursor::new(ran.out)).read_info().unwrap();
+    assert_eq!(reader.info().bit_depth, png::BitDepth::Sixteen);
+}
+
+#[test]
+fn words_that_do_not_fit_together_are_refused() {
+    let folder = Folder::with_ball();
+    folder.done("extract ball.nii --iso 50 -o a.stl");
+    for (line, says) in [
+        ("render ball.nii --iso 50 -o a.jpg", "a.jpg: expected a name that ends in .png"),
+        ("render a.stl --iso 50 -o a.png", "a mesh has no values: leave out --iso"),
+        ("render a.stl --mode raycast -o a.png", "a mesh has no values for rays"),
+        ("render ball.nii --mode surfaces -o a.png", "no surface is named"),
+        ("render ball.nii --frames 2 -o -", "several pictures do not fit into stdout"),
+        ("render ball.nii -o - --report -", "picture and report cannot both go to stdout"),
+        ("render ball.nii --size 0x3 -o a.png", "expected WIDTHxHEIGHT"),
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(ran.exit, Exit::Usage, "{line}");
+        assert!(ran.err.contains(says), "{line}: {}", ran.err);
+    }
+    assert_eq!(folder.names(), ["a.stl", "ball.nii"]);
+}
+
+#[test]
+fn scenes_that_make_no_sense_are_refused_with_their_place() {
+    let folder = Folder::with_ball();
+    let volume = "[volume]\npath = \"ball.nii\"\n";
+    for (scene, exit, says) in [
+        ("[volume\n", Exit::Failed, "line 1"),
+        ("[volume]\npath = \"ball.nii\"\ncolour = 1\n", Exit::Failed, "unknown field `colour`"),
+        ("[output]\nsize = [3, 3]\n", Exit::Usage, "the scene names no volume"),
+        ("[volume]\npath = \"none.nii\"\n", Exit::Failed, "none.nii"),
+        (
+            &format!("{volume}[[clip]]\nplane = [0, 0, 0, 1]\n"),
+            Exit::Usage,
+            "a plane has a direction",
+        ),
+        (
+            &format!("{volume}[output]\nsize = [0, 3]\n"),
+            Exit::Usage,
+            "expected two numbers above 0",
+        ),
+        (
+            &format!("{volume}[camera]\nfrom = [1, 1, 1]\nview = \"left\"\n"),
+            Exit::Usage,
+            "found both",
+        ),
+        (&format!("{volume}[camera]\nup = [1, 1, 1]\n"), Exit::Usage, "add from"),
+        (&format!("{volume}[light]\nambient = 2.0\n"), Exit::Usage, "from 0 to 1"),
+        (
+            &format!("{volume}[transfer]\npoints = [[1, \"#ffffff\"], [0, \"#ffffff\"]]\n"),
+            Exit::Usage,
+            "after 1",
+        ),
+        (&format!("{volume}[sampling]\nstep = 0.0\n"), Exit::Failed, "the step is 0"),
+        (
+            &format!(
+                "{volume}[[surface]]\niso = 50\n[[clip]]\nplane = [1, 0, 0, 1]\nsurfaces = [\"skin\"]\n"
+            ),
+            Exit::Failed,
+            "no surface has that name",
+        ),
+        (
+            &format!("{volume}[camera]\nfrom = [1, 1, 1]\nat = [1, 1, 1]\n"),
+            Exit::Failed,
+            "at the place that it looks at",
+        ),
+    ] {
+        fs::write(folder.path("s.toml"), scene).unwrap();
+        let ran = folder.run("render s.toml -o a.png");
+        assert_eq!(ran.exit, exit, "{scene}: {}", ran.err);
+        assert!(ran.err.contains(says), "{scene}: {}", ran.err);
+        assert!(!folder.names().contains(&"a.png".to_owned()));
+    }
+    let ran = folder.run("render gone.toml -o a.png");
+    assert!(ran.err.contains("gone.toml: cannot read the scene"), "{}", ran.err);
+}
