@@ -166,10 +166,12 @@ pub(crate) struct OutputTable {
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum ModeWord {
     /// Isosurfaces, or the surfaces of a mesh
     Surfaces,
+    /// Isosurfaces, found by rays without a mesh
+    IsoRaycast,
     /// The values themselves, through a transfer function
     Raycast,
 }
@@ -307,7 +309,7 @@ mod tests {
         for (text, says) in [
             (
                 "[output]\nmode = \"splat\"",
-                "unknown variant `splat`, expected `surfaces` or `raycast`",
+                "unknown variant `splat`, expected one of `surfaces`, `iso-raycast`, `raycast`",
             ),
             ("[output]\nbackground = \"#ffffff80\"", "expected transparent or an opaque #rrggbb"),
             ("[[surface]]\niso = \"bone\"", "expected a number, a percentage"),

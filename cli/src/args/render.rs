@@ -42,7 +42,7 @@ A scene file says more than options; each option, where given, comes before what
   step = 0.5                   # of the smallest spacing
   [output]
   size = [1024, 1024]
-  mode = \"surfaces\"            # raycast
+  mode = \"surfaces\"            # iso-raycast, raycast
   background = \"#ffffff\"       # transparent")]
 pub(crate) struct RenderArgs {
     /// A scene (.toml), a volume or a mesh

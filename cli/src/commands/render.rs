@@ -52,7 +52,8 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let is_plan = plan.targets.is_empty();
     let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
     let mut skipped = RenderSkipped::default();
-    if let (Some(scan), ModeWord::Surfaces, true) = (&seen.scan, plan.mode, wants_needs) {
+    let shows_surfaces = plan.mode != ModeWord::Raycast;
+    if let (Some(scan), true, true) = (&seen.scan, shows_surfaces, wants_needs) {
         skipped = RenderSkipped::of(&seen.scene.needs(scan, &session.job)?);
     }
     if !is_plan {
@@ -164,6 +165,11 @@ fn pictures(
                     skipped.add_cast(&cast);
                     Ok(image)
                 }
+                (ModeWord::IsoRaycast, Some(scan)) => {
+                    let (image, traced) = seen.scene.trace(scan, size, &job)?;
+                    skipped.add_traced(&traced);
+                    Ok(image)
+                }
                 (_, scan) => {
                     let subject = (scan.as_ref(), seen.around);
                     let (image, drawn) = seen.scene.draw(&seen.meshes, subject, size, &job)?;
@@ -229,11 +235,14 @@ fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String
     let pictures = counted(plan.viewpoints.len() as u64, "picture", "pictures");
     let [width, height] = [plan.size.width, plan.size.height];
     let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
-    if plan.mode == ModeWord::Surfaces {
+    if plan.mode != ModeWord::Raycast {
         for look in &seen.scene.surfaces {
             let why = skipped.surfaces.iter().find(|skipped| skipped.name == look.name);
             let what = match (why, look.iso) {
                 (Some(why), _) => format!("not made: {}", why.why),
+                (None, Some(iso)) if plan.mode == ModeWord::IsoRaycast => {
+                    format!("found by rays at {iso}")
+                }
                 (None, Some(iso)) => format!("extracted at {iso}, with normals"),
                 (None, None) => "read".to_owned(),
             };
@@ -260,6 +269,10 @@ fn skipped_lines(skipped: &RenderSkipped) -> Vec<String> {
         of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
         of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
         of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),
+        (skipped.bricks_passed > 0).then(|| {
+            let bricks = grouped(skipped.bricks_passed);
+            format!("rays passed {bricks} times a brick without a surface")
+        }),
     ]
     .into_iter()
     .flatten()
@@ -269,6 +282,7 @@ fn skipped_lines(skipped: &RenderSkipped) -> Vec<String> {
 fn mode_name(mode: ModeWord) -> &'static str {
     match mode {
         ModeWord::Surfaces => "surfaces",
+        ModeWord::IsoRaycast => "iso-raycast",
         ModeWord::Raycast => "raycast",
     }
 }

@@ -144,11 +144,11 @@ fn check_subject(
     surfaces: &[LookPlan],
 ) -> Result<(), UsageError> {
     let says = match (subject, mode) {
-        (Subject::Mesh(_), ModeWord::Raycast) => {
-            "a mesh has no values for rays to go through: leave out --mode raycast"
+        (Subject::Mesh(_), ModeWord::Raycast | ModeWord::IsoRaycast) => {
+            "a mesh has no values for rays to go through: leave out --mode"
         }
         (Subject::Mesh(_), _) if !surfaces.is_empty() => "a mesh has no values: leave out --iso",
-        (Subject::Volume(..), ModeWord::Surfaces) if surfaces.is_empty() => {
+        (Subject::Volume(..), ModeWord::Surfaces | ModeWord::IsoRaycast) if surfaces.is_empty() => {
             "no surface is named: give --iso, or [[surface]] in the scene"
         }
         _ => return Ok(()),

@@ -2,7 +2,7 @@
 
 use super::{VolumeFacts, peak_rss_bytes, simd};
 use isokit::{
-    render::{Cast, Drawn},
+    render::{Cast, Drawn, Traced},
     scene::{Needs, SurfaceNeed},
 };
 use serde::Serialize;
@@ -68,6 +68,10 @@ pub(crate) struct RenderSkipped {
     pub(crate) steps_leapt: u64,
     /// Steps behind what is opaque.
     pub(crate) steps_hidden: u64,
+    /// Cells in which rays looked for surfaces.
+    pub(crate) cells: u64,
+    /// How often a ray passed a brick that no surface goes through.
+    pub(crate) bricks_passed: u64,
 }
 
 /// A surface that was not made.
@@ -134,6 +138,11 @@ impl RenderSkipped {
         self.triangles += drawn.triangles;
         self.triangles_skipped += drawn.triangles_skipped;
         self.points_hidden += drawn.hidden;
+    }
+
+    pub(crate) fn add_traced(&mut self, traced: &Traced) {
+        self.cells += traced.cells;
+        self.bricks_passed += traced.bricks_passed;
     }
 
     pub(crate) fn add_cast(&mut self, cast: &Cast) {

@@ -76,6 +76,18 @@ fn a_scene_says_what_is_seen_and_options_come_before_it() {
 }
 
 #[test]
+fn rays_find_the_surfaces_that_a_mesh_has() {
+    let folder = Folder::with_ball();
+    fs::write(folder.path("s.toml"), SCENE).unwrap();
+    folder.done("render s.toml -o a.png");
+    folder.done("render s.toml --mode iso-raycast -o b.png --report r.json");
+    let [(_, mesh), (_, rays)] = ["a.png", "b.png"].map(|name| pixels(&folder, name));
+    let differ = mesh.iter().zip(&rays).filter(|(a, b)| a != b).count();
+    assert!(differ < mesh.len() / 20, "{differ} of {}", mesh.len());
+    assert!(folder.json("r.json")["skipped"]["cells"].as_u64().unwrap() > 1000);
+}
+
+#[test]
 fn a_mesh_is_seen_in_its_own_colours() {
     let folder = Folder::with_ball();
     folder.done("extract ball.nii --iso 50:ball:#00ff0080 -o a.glb");

@@ -5,6 +5,7 @@
 //! | know what is computed, and what not | [`Scene::needs`] |
 //! | make the surfaces that can be seen | [`Scene::meshes`] |
 //! | draw them, cut and capped | [`Scene::draw`] |
+//! | or trace rays to them, without a mesh | [`Scene::trace`] |
 //! | or cast rays through the values | [`Scene::cast`] |
 //!
 //! A plane keeps places on one side of it. Of a surface that is cut only the part of the scan on that side is
@@ -29,15 +30,16 @@ use isokit_job::Job;
 use isokit_marching_cubes::{ExtractOptions, Nan};
 use isokit_mesh::TriMesh;
 use isokit_render::{
-    Camera, CameraError, Cast, Drawn, Image, Medium, Paint, Painted, Projection, RasterOptions,
-    RaycastOptions, Side, Size, TransferFunction, Trilinear, rasterize, raycast,
+    Camera, CameraError, Cast, Drawn, Image, Isosurface, Isosurfaces, Medium, Paint, Painted,
+    Projection, RasterOptions, RaycastOptions, Side, Size, Traced, TransferFunction, Trilinear,
+    isocast, rasterize, raycast,
 };
 use isokit_volume::{Bricks, for_any};
 
 /// What is to be seen, from where, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Surfaces, which [`Scene::draw`] shows.
+    /// Surfaces, which [`Scene::draw`] and [`Scene::trace`] show.
     pub surfaces: Vec<SurfaceLook>,
     /// What cuts them, and rays.
     pub clips: Vec<Clip>,
@@ -216,6 +218,33 @@ impl Scene {
             None if self.has_caps() => Err(SceneError::NoValues),
             None => draw(&Caps::new(self, &|_| None)?),
         }
+    }
+
+    /// The picture of a scan's surfaces, without meshes of them.
+    ///
+    /// # Errors
+    ///
+    /// As [`draw`](Self::draw).
+    pub fn trace(&self, scan: &Scan, size: Size, job: &Job) -> Result<(Image, Traced), SceneError> {
+        self.check_names()?;
+        let camera = self.viewpoint.camera(scan.around(), size)?;
+        let clips: Vec<Vec<HalfSpace>> =
+            self.surfaces.iter().map(|look| self.halves(look)).collect();
+        let looks = self.surfaces.iter().zip(&clips).filter_map(|(look, clips)| {
+            let (paint, opacity) = (Paint::Plain(look.color), look.opacity);
+            Some(Isosurface { iso: look.iso?, paint, opacity, clips })
+        });
+        let surfaces: Vec<_> = looks.collect();
+        for_any!(scan.volume(), volume => {
+            let view = scan.view(volume);
+            let (bricks, field) = (Bricks::of(&view, job)?, Trilinear::new(view));
+            let value = |place| field.at(place);
+            let caps = Caps::new(self, &value)?;
+            let caps = caps.all();
+            let scene =
+                Isosurfaces { view: &view, bricks: Some(&bricks), surfaces: &surfaces, caps: &caps };
+            Ok(isocast(&scene, (&camera, size), &self.raster, job)?)
+        })
     }
 
     /// The picture of a scan's values.

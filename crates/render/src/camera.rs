@@ -1,5 +1,6 @@
 //! Where a picture is taken from, and the ray of each of its points.
 
+use crate::Size;
 use isokit_geom::{
     Aabb, Space,
     vector::{Vector, cross, dot, length, sub},
@@ -228,6 +229,12 @@ impl Camera {
                 Ray { origin: self.from, direction: unit(towards).unwrap_or(self.forward) }
             }
         }
+    }
+
+    /// The ray of a place in a picture of so many pixels, in pixels from its upper left corner.
+    pub fn pixel_ray(&self, size: Size, [x, y]: [f64; 2]) -> Ray {
+        let [width, height] = [size.width, size.height].map(|n| f64::from(n.get()));
+        self.ray([(2.0 * x - width) / height, (height - 2.0 * y) / height])
     }
 
     /// The same camera, moved around what it looks at by an angle in degrees: from above, that is where `up`

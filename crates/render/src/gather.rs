@@ -17,6 +17,9 @@ pub struct Gathered {
     pub opacity: f32,
 }
 
+/// With so much opacity nothing behind is looked at: 8 bits show nothing of it, in the dark either.
+pub(crate) const OPAQUE: f32 = 1.0 - 1.0 / 8192.0;
+
 impl Gathered {
     /// Nothing: what is behind shows.
     pub const NOTHING: Self = Self { color: [0.0; 3], opacity: 0.0 };
@@ -36,6 +39,19 @@ impl Gathered {
             color: std::array::from_fn(|n| self.color[n] + open * behind.color[n]),
             opacity: self.opacity + open * behind.opacity,
         }
+    }
+
+    /// Both, side by side: for a mean.
+    #[inline(always)]
+    pub(crate) fn plus(self, other: Self) -> Self {
+        let color = std::array::from_fn(|n| self.color[n] + other.color[n]);
+        Self { color, opacity: self.opacity + other.opacity }
+    }
+
+    /// A share of it.
+    #[inline(always)]
+    pub(crate) fn times(self, share: f32) -> Self {
+        Self { color: self.color.map(|part| part * share), opacity: self.opacity * share }
     }
 
     /// The colour without its opacity; black where nothing was gathered.

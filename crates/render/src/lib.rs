@@ -43,6 +43,7 @@
 mod camera;
 mod gather;
 mod image;
+mod isocast;
 mod light;
 mod png;
 mod raster;
@@ -53,6 +54,7 @@ mod trilinear;
 pub use camera::{Camera, CameraError, Projection, Ray, Side};
 pub use gather::{Gathered, opacity_over};
 pub use image::{Background, Image, Size};
+pub use isocast::{Isosurface, Isosurfaces, Traced, isocast};
 pub use light::Light;
 pub use png::{Depth, PngError, write_png};
 pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};

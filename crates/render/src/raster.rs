@@ -19,9 +19,12 @@ mod resolve;
 mod screen;
 mod tile;
 
-use crate::{Camera, Gathered, Image, Light, Size};
+use crate::{Camera, Gathered, Image, Light, Ray, Size};
 use bins::Bins;
-use isokit_geom::{HalfSpace, vector::Vector};
+use isokit_geom::{
+    HalfSpace,
+    vector::{Vector, dot},
+};
 use isokit_job::{Job, OverLimit, Stopped};
 use isokit_lanes::exactly;
 use isokit_mesh::TriMesh;
@@ -60,6 +63,19 @@ pub struct Cap<'a> {
     pub half: HalfSpace,
     /// What is seen at a place on it: nothing outside of what was cut.
     pub look: &'a (dyn Fn(Vector) -> Gathered + Sync),
+}
+
+impl Cap<'_> {
+    /// How far along a ray it is met, and what is seen there, if it is.
+    pub(crate) fn along(&self, ray: &Ray) -> Option<(f64, Gathered)> {
+        let far = -self.half.beyond(ray.origin) / dot(self.half.normal(), ray.direction);
+        // Not of a plane that is seen from its edge.
+        if !(far > 0.0 && far.is_finite()) {
+            return None;
+        }
+        let look = (self.look)(std::array::from_fn(|k| ray.origin[k] + far * ray.direction[k]));
+        (look.opacity > 0.0).then_some((far, look))
+    }
 }
 
 /// How surfaces are drawn.

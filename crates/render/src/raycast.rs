@@ -15,7 +15,9 @@
 mod leap;
 mod march;
 
-use crate::{Camera, Gathered, Image, Light, Ray, Size, TransferFunction, transfer::Lookup};
+use crate::{
+    Camera, Gathered, Image, Light, Size, TransferFunction, gather::OPAQUE, transfer::Lookup,
+};
 use isokit_geom::HalfSpace;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
@@ -59,7 +61,7 @@ pub struct RaycastOptions {
 impl RaycastOptions {
     /// The defaults named above.
     pub const DEFAULT: Self =
-        Self { step: 0.5, unit: None, light: Some(Light::DEFAULT), opaque: 1.0 - 1.0 / 8192.0 };
+        Self { step: 0.5, unit: None, light: Some(Light::DEFAULT), opaque: OPAQUE };
 
     /// The same options with another `step`.
     pub const fn with_step(mut self, step: f64) -> Self {
@@ -161,12 +163,14 @@ pub fn raycast<T: Sample>(
         let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
         let clear = bricks.map(|bricks| Clear::new(bricks, view.scaling(), &lookup));
         let march = March::new(medium, (&lookup, clear.as_ref()), step, options);
+        let middle = |n: usize| n as f64 + 0.5;
         let row = |(row, pixels): (usize, &mut [Gathered])| {
             exactly(|| {
                 job.check()?;
                 let mut done = Cast::default();
                 for (column, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = march.along(&ray_of(camera, size, [column, row]), &mut done);
+                    *pixel =
+                        march.along(&camera.pixel_ray(size, [column, row].map(middle)), &mut done);
                 }
                 job.progress.advance(1);
                 Ok(done)
@@ -195,13 +199,6 @@ fn lengths<T: Sample>(
         }
     }
     Ok((step, unit))
-}
-
-/// The ray through the middle of a pixel, by column from the left and row from the top.
-fn ray_of(camera: &Camera, size: Size, [column, row]: [usize; 2]) -> Ray {
-    let [width, height] = [size.width, size.height].map(|n| f64::from(n.get()));
-    let [x, y] = [column, row].map(|n| 2.0 * n as f64 + 1.0);
-    camera.ray([(x - width) / height, (height - y) / height])
 }
 
 #[cfg(test)]

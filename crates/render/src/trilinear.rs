@@ -1,5 +1,6 @@
 //! A volume between its samples: trilinear, in f32.
 
+use crate::Ray;
 use isokit_geom::{Affine, vector::Vector};
 use isokit_volume::{Sample, Scaling, View};
 
@@ -38,6 +39,44 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         }
         let (cell, part) = self.cell(ijk);
         Some(f64::from(self.value(cell, part))).filter(|value| !value.is_nan())
+    }
+
+    /// From where to where a ray is in the box, as distances from where it begins; none beside it. A volume of one
+    /// sample along an axis has no inside.
+    pub(crate) fn interval(&self, ray: &Ray) -> Option<[f64; 2]> {
+        let dims = self.view.dims();
+        if dims.contains(&1) {
+            return None;
+        }
+        let origin = self.affine.inverse_point(ray.origin);
+        let direction = self.affine.inverse_vector(ray.direction);
+        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+        for k in 0..3 {
+            let last = dims[k] as f64 - 1.0;
+            let ends = [0.0, last].map(|end| (end - origin[k]) / direction[k]);
+            if direction[k] == 0.0 {
+                // Beside the box, or in it all along.
+                if !(0.0..=last).contains(&origin[k]) {
+                    return None;
+                }
+                continue;
+            }
+            near = near.max(ends[0].min(ends[1]));
+            far = far.min(ends[0].max(ends[1]));
+        }
+        // Not where a camera so far away that numbers end has made one that is no number, or no end.
+        (far > near && far.is_finite()).then_some([near, far])
+    }
+
+    /// The value at a place in index space.
+    pub(crate) fn at_index(&self, place: [f64; 3]) -> f64 {
+        let (cell, part) = self.cell(place);
+        f64::from(self.value(cell, part))
+    }
+
+    /// What points across the border at which the volume ends along an axis.
+    pub(crate) fn across(&self, axis: usize) -> Vector {
+        self.covectors[axis]
     }
 
     /// The volume.

@@ -6,11 +6,8 @@ use super::{
     screen::{PARTS, Viewport},
     tile::{NONE, TILE, Tile, key, triangle_of},
 };
-use crate::{Gathered, Light, Ray};
+use crate::{Gathered, Light, Ray, gather::OPAQUE};
 use isokit_geom::vector::{Vector, cross, dot, normal, sub};
-
-/// With so much opacity nothing behind is looked at, as in ray casting: 8 bits show nothing of it.
-const OPAQUE: f32 = 1.0 - 1.0 / 8192.0;
 
 /// All that pixels have in common.
 pub(super) struct Resolve<'a> {
@@ -105,32 +102,21 @@ impl<'a> Resolve<'a> {
                     gathered = gathered.over(next);
                 }
             }
-            sum = Gathered {
-                color: std::array::from_fn(|n| sum.color[n] + gathered.color[n]),
-                opacity: sum.opacity + gathered.opacity,
-            };
+            sum = sum.plus(gathered);
         }
         // By a power of two: exact.
-        let share = 1.0 / count as f32;
-        Gathered { color: sum.color.map(|part| part * share), opacity: sum.opacity * share }
+        sum.times(1.0 / count as f32)
     }
 
     /// Puts what is seen of caps at a point among what is seen of surfaces.
     fn add_caps(&self, place: [f64; 2], layers: &mut Vec<(u64, Option<Gathered>)>) {
         let ray = self.view.ray(place);
         for (number, cap) in (0_u32..).zip(self.caps) {
-            let along = dot(cap.half.normal(), ray.direction);
-            let far = -cap.half.beyond(ray.origin) / along;
-            if !far.is_finite() {
-                continue; // the plane is seen from its edge
-            }
-            let hit: Vector = std::array::from_fn(|k| ray.origin[k] + far * ray.direction[k]);
-            let Some(depth) = self.view.depth(hit) else { continue };
-            let look = (cap.look)(hit);
-            if look.opacity > 0.0 {
-                // In front of a triangle of the same depth, which is the rim of the hole.
-                layers.push((key(depth, number), Some(look)));
-            }
+            let Some((far, look)) = cap.along(&ray) else { continue };
+            let place = std::array::from_fn(|k| ray.origin[k] + far * ray.direction[k]);
+            // In front of a triangle of the same depth, which is the rim of the hole.
+            let depth = self.view.depth(place);
+            layers.extend(depth.map(|depth| (key(depth, number), Some(look))));
         }
         layers.sort_unstable_by_key(|&(key, _)| key);
     }

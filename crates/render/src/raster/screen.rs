@@ -109,8 +109,7 @@ impl<'a> Viewport<'a> {
 
     /// The ray of a point of the picture, in pixels from its upper left corner.
     pub(super) fn ray(&self, [x, y]: [f64; 2]) -> Ray {
-        let [half_width, half_height] = self.middle;
-        self.camera.ray([(x - half_width) / half_height, (half_height - y) / half_height])
+        self.camera.pixel_ray(self.size, [x, y])
     }
 }
 

@@ -57,6 +57,14 @@ impl Smoothing {
     }
 }
 
+impl Smoothing {
+    /// Where in a pixel the points are, in pixels.
+    pub(crate) fn places(self) -> Vec<[f64; 2]> {
+        let place = |point: [i32; 2]| point.map(|part| f64::from(part) / f64::from(PARTS));
+        self.points().into_iter().map(place).collect()
+    }
+}
+
 impl Tile {
     pub(super) fn new(smoothing: Smoothing) -> Self {
         let points = smoothing.points();

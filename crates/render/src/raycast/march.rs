@@ -82,26 +82,7 @@ impl<'a, T: Sample> March<'a, T> {
     /// Where a ray goes through what is kept of the box from the first sample to the last. A volume of one sample along an axis has no
     /// inside.
     fn way(&self, ray: &Ray) -> Option<Way> {
-        let (dims, affine) = (self.field.view().dims(), self.field.affine());
-        if dims.contains(&1) {
-            return None;
-        }
-        let origin = affine.inverse_point(ray.origin);
-        let direction = affine.inverse_vector(ray.direction);
-        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
-        for k in 0..3 {
-            let last = dims[k] as f64 - 1.0;
-            let ends = [0.0, last].map(|end| (end - origin[k]) / direction[k]);
-            if direction[k] == 0.0 {
-                // Beside the box, or in it all along.
-                if !(0.0..=last).contains(&origin[k]) {
-                    return None;
-                }
-                continue;
-            }
-            near = near.max(ends[0].min(ends[1]));
-            far = far.min(ends[0].max(ends[1]));
-        }
+        let [mut near, mut far] = self.field.interval(ray)?;
         for clip in self.clips {
             let (beyond, along) = (clip.beyond(ray.origin), dot(clip.normal(), ray.direction));
             let end = -beyond / along;
@@ -114,7 +95,9 @@ impl<'a, T: Sample> March<'a, T> {
             }
         }
         let steps = (far - near) / self.step;
-        // Not where a camera so far away that numbers end has made one that is no number, or no end.
+        let affine = self.field.affine();
+        let (origin, direction) =
+            (affine.inverse_point(ray.origin), affine.inverse_vector(ray.direction));
         (steps > 0.0 && steps <= 2.0 * MOST_STEPS).then(|| Way {
             start: std::array::from_fn(|k| origin[k] + near * direction[k]),
             step: direction.map(|c| c * self.step),

@@ -1,0 +1,130 @@
+//! Isosurfaces without a mesh: along each ray, where trilinear interpolation has the value.
+//!
+//! A ray goes from cell to cell (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing"). In a cell
+//! the values along it are a cubic, whose crossings are between the places where it turns (`cell.rs`; Marmitt,
+//! Kleer, Wald, Friedrich & Slusallek 2004, "Fast and accurate ray-voxel intersection techniques for iso-surface
+//! ray tracing"). Whether the ray is inside is handed from cell to cell, so that it goes in and out by turns
+//! whatever rounding does: what a ray meets is what it meets of a closed surface.
+//!
+//! What is beyond the volume is outside: a surface is closed by caps along the border, as the mesh of the extractor is.
+//! A cell with a sample that is NaN is outside. Bricks that no surface goes through are passed in one step, which
+//! changes no bit of the picture.
+
+mod cell;
+mod walk;
+
+use crate::{Camera, Cap, Gathered, Image, Paint, RasterError, RasterOptions, Size, Trilinear};
+use isokit_geom::HalfSpace;
+use isokit_job::{Job, Stopped};
+use isokit_lanes::exactly;
+use isokit_volume::{Bricks, Sample, Sides, View};
+use rayon::prelude::*;
+use walk::Walk;
+
+/// The isosurfaces of a volume.
+#[derive(Clone, Copy)]
+pub struct Isosurfaces<'a, T> {
+    /// The samples.
+    pub view: &'a View<'a, T>,
+    /// Where in it which values are, if that is known. Changes time only. Bricks are of use if they are those of the
+    /// samples; others, with other sizes, are left aside.
+    pub bricks: Option<&'a Bricks<T>>,
+    /// The surfaces.
+    pub surfaces: &'a [Isosurface<'a>],
+    /// What closes the holes that planes cut.
+    pub caps: &'a [Cap<'a>],
+}
+
+/// One of them.
+#[derive(Clone, Copy)]
+pub struct Isosurface<'a> {
+    /// The value on it; finite.
+    pub iso: f64,
+    /// Its colour.
+    pub paint: Paint<'a>,
+    /// How much of what is behind it hides, each time that a ray meets it, from 0 to 1.
+    pub opacity: f32,
+    /// What is kept of it: what is in all of these.
+    pub clips: &'a [HalfSpace],
+}
+
+/// What was computed for a picture, and what was not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traced {
+    /// Cells whose corners were looked at.
+    pub cells: u64,
+    /// Bricks that were passed in one step.
+    pub bricks_passed: u64,
+    /// How often a surface was met and lit.
+    pub lit: u64,
+}
+
+impl Traced {
+    fn with(self, other: Self) -> Self {
+        Self {
+            cells: self.cells + other.cells,
+            bricks_passed: self.bricks_passed + other.bricks_passed,
+            lit: self.lit + other.lit,
+        }
+    }
+}
+
+/// The picture of the isosurfaces of a volume. With [`Smoothing`](crate::Smoothing) as many rays go through each pixel
+/// as it has points.
+///
+/// It is the same, byte for byte, for any number of threads, and with bricks or without.
+///
+/// # Errors
+///
+/// If the job is cancelled or does not allow the picture's memory.
+pub fn isocast<T: Sample>(
+    scene: &Isosurfaces<'_, T>,
+    (camera, size): (&Camera, Size),
+    options: &RasterOptions,
+    job: &Job,
+) -> Result<(Image, Traced), RasterError> {
+    let mut image = Image::new(size, &job.limits)?;
+    let width = size.width.get() as usize;
+    job.progress.begin("render", u64::from(size.height.get()));
+    let seen: Vec<_> =
+        scene.surfaces.iter().copied().filter(|surface| surface.opacity > 0.0).collect();
+    let bricks = scene.bricks.filter(|bricks| bricks.grid().dims() == scene.view.dims());
+    let threshold = |surface: &Isosurface<'_>| scene.view.scaling().threshold(surface.iso);
+    let sides: Option<Vec<Sides>> =
+        bricks.map(|bricks| seen.iter().map(|surface| bricks.sides(threshold(surface))).collect());
+    let thresholds: Vec<_> = seen.iter().map(threshold).collect();
+    let walk = Walk {
+        field: Trilinear::new(*scene.view),
+        surfaces: &seen,
+        thresholds: &thresholds,
+        sides: sides.as_deref(),
+        caps: scene.caps,
+        light: options.light,
+    };
+    let points = options.smoothing.places();
+    let share = 1.0 / points.len() as f32;
+    let row = |(row, pixels): (usize, &mut [Gathered])| {
+        exactly(|| {
+            job.check()?;
+            let (mut known, mut traced) = (walk.begin(), Traced::default());
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let mut sum = Gathered::NOTHING;
+                for [x, y] in &points {
+                    let ray = camera.pixel_ray(size, [column as f64 + x, row as f64 + y]);
+                    sum = sum.plus(walk.along(&ray, &mut known, &mut traced));
+                }
+                *pixel = sum.times(share);
+            }
+            job.progress.advance(1);
+            Ok(traced)
+        })
+    };
+    let rows = image.pixels_mut().par_chunks_mut(width).enumerate();
+    // Sums of whole numbers are the same in any order.
+    let both = |a: Traced, b: Traced| Ok::<_, Stopped>(a.with(b));
+    let traced = job.threads.run(|| rows.map(row).try_reduce(Traced::default, both))?;
+    Ok((image, traced))
+}
+
+#[cfg(test)]
+mod tests;
