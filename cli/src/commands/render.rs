@@ -126,10 +126,8 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
                 scene.surfaces.push(SurfaceLook { name, iso: None, color: [r, g, b], opacity });
                 meshes.push(surface.mesh);
             }
-            let boxes = meshes.iter().filter_map(TriMesh::bounds);
-            let bounds = boxes.reduce(|a, b| a.with(b.min).with(b.max));
             // A picture of nothing has a camera too.
-            let bounds = bounds.unwrap_or(Aabb { min: [0.0; 3], max: [1.0; 3] });
+            let bounds = Aabb { min: [0.0; 3], max: [1.0; 3] };
             let path = path.display().to_string();
             let (around, input) = ((bounds, input.space), RenderInput::Mesh { path });
             Ok(Seen { scene, scan: None, meshes, around, input })

@@ -78,7 +78,9 @@ fn a_scene_says_what_is_seen_and_options_come_before_it() {
 #[test]
 fn rays_find_the_surfaces_that_a_mesh_has() {
     let folder = Folder::with_ball();
-    fs::write(folder.path("s.toml"), SCENE).unwrap();
+    // From a side rays frame the volume, and meshes themselves.
+    let camera = "[camera]\nfrom = [40, 80, 60]\nfov = 25\n";
+    fs::write(folder.path("s.toml"), format!("{SCENE}{camera}")).unwrap();
     folder.done("render s.toml -o a.png");
     folder.done("render s.toml --mode iso-raycast -o b.png --report r.json");
     let [(_, mesh), (_, rays)] = ["a.png", "b.png"].map(|name| pixels(&folder, name));

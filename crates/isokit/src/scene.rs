@@ -177,7 +177,8 @@ impl Scene {
         Ok(meshes)
     }
 
-    /// The picture of surfaces, one for each of the scene's: of a scan, if there is one, whose values caps show.
+    /// The picture of surfaces, one for each of the scene's: of a scan, if there is one, whose values caps show. From a
+    /// side all of them are in the picture; where there is none, the box.
     ///
     /// # Errors
     ///
@@ -196,7 +197,8 @@ impl Scene {
     ) -> Result<(Image, Drawn), SceneError> {
         assert_eq!(meshes.len(), self.surfaces.len(), "one mesh for each surface");
         self.check_names()?;
-        let camera = self.viewpoint.camera(around, size)?;
+        let bounds = self.visible(meshes).unwrap_or(around.0);
+        let camera = self.viewpoint.camera((bounds, around.1), size)?;
         let clips: Vec<Vec<HalfSpace>> =
             self.surfaces.iter().map(|look| self.halves(look)).collect();
         let looks = self.surfaces.iter().zip(meshes).zip(&clips);
@@ -263,6 +265,20 @@ impl Scene {
             let medium = Medium { view: &view, bricks: Some(&bricks), transfer, clips: &clips };
             Ok(raycast(&medium, (&camera, size), &self.raycast, job)?)
         })
+    }
+
+    /// The box around what planes leave of the surfaces that can be seen, if it is one.
+    fn visible(&self, meshes: &[TriMesh]) -> Option<Aabb> {
+        let seen = self.surfaces.iter().zip(meshes).filter(|(look, _)| look.opacity > 0.0);
+        let places = seen.flat_map(|(look, mesh)| {
+            let halves = self.halves(look);
+            let is_kept = move |place: &Vector| halves.iter().all(|half| half.keeps(*place));
+            mesh.positions.iter().filter(is_kept)
+        });
+        let found = Aabb::around(places)?;
+        let is_wide =
+            |k: usize| found.max[k] > found.min[k] && (found.max[k] - found.min[k]).is_finite();
+        (0..3).all(is_wide).then_some(found)
     }
 
     /// The planes that cut a surface.

@@ -6,7 +6,8 @@ use isokit_geom::{Affine, Frame, HalfSpace};
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
 use isokit_render::{
-    ControlPoint, Gathered, Image, RasterOptions, RaycastOptions, Side, Size, TransferFunction,
+    ControlPoint, Gathered, Image, Projection, RasterOptions, RaycastOptions, Side, Size,
+    TransferFunction,
 };
 use isokit_volume::{Grid, Volume};
 use std::num::NonZeroU32;
@@ -37,7 +38,12 @@ fn scene() -> Scene {
         surfaces: vec![look("skin", 0.0, RED, 0.5), look("bone", 10.0, BLUE, 1.0)],
         clips: vec![],
         transfer: None,
-        viewpoint: Viewpoint::Framed { side: Side::Anterior, orbit: 0.0, fov: None },
+        viewpoint: Viewpoint::At {
+            from: [0.0, 60.0, 0.0],
+            at: Some([0.0; 3]),
+            up: [0.0, 0.0, 1.0],
+            projection: Projection::Parallel { height: 60.0 },
+        },
         raster,
         raycast: RaycastOptions::DEFAULT,
     }
@@ -105,11 +111,13 @@ fn planes_cut_what_they_name_and_caps_close_it() {
 fn what_planes_cut_away_is_not_extracted_and_nobody_sees_a_difference() {
     let scan = scan();
     let whole: Vec<TriMesh> = scene().meshes(&scan, &Job::default()).unwrap();
+    // Framed too: by what is left.
+    let framed = Viewpoint::Framed { side: Side::Left, orbit: 20.0, fov: Some(30.0) };
     for normal in [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.05, -1.0, 0.08]] {
         for offset in [-6.0, 3.0] {
             let half = HalfSpace::new(normal, offset).unwrap();
             let clip = Clip { half, surfaces: None, cap: CapStyle::Solid };
-            let scene = Scene { clips: vec![clip], ..scene() };
+            let scene = Scene { clips: vec![clip], viewpoint: framed, ..scene() };
             let cut = scene.meshes(&scan, &Job::default()).unwrap();
             assert!(cut[0].triangles.len() < whole[0].triangles.len());
             let draw = |meshes: &[TriMesh]| {
@@ -190,7 +198,8 @@ fn every_preset_shows_something_of_a_scan_with_such_values() {
             Volume::new(grid, (0..grid.count()).map(depth).collect::<Vec<f64>>()).unwrap(),
         );
         let transfer = preset.transfer(&scan, &Job::default()).unwrap();
-        let scene = Scene { transfer: Some(transfer), ..scene() };
+        let viewpoint = Viewpoint::Framed { side: Side::Left, orbit: 0.0, fov: None };
+        let scene = Scene { transfer: Some(transfer), viewpoint, ..scene() };
         let image = scene.cast(&scan, size(), &Job::default()).unwrap().0;
         assert!(image.pixel(40, 40).opacity > 0.3, "{preset:?}");
         assert_eq!(image.pixel(0, 0).opacity, 0.0);
