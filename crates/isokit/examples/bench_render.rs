@@ -191,8 +191,7 @@ fn tracing<T: Sample>(
         Isosurface { iso: look.iso, paint, opacity: look.opacity, clips: &clips }
     };
     let surfaces: Vec<_> = surfaces.iter().map(surface).collect();
-    let scene =
-        Isosurfaces { view: &seen, bricks: Some(&bricks), surfaces: &surfaces, caps: &[] };
+    let scene = Isosurfaces { view: &seen, bricks: Some(&bricks), surfaces: &surfaces, caps: &[] };
     let (camera, size) = (view.camera()?, view.size()?);
     let start = Instant::now();
     let (image, done) = isocast(&scene, (&camera, size), &view.raster()?, &job)?;

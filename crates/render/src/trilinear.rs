@@ -4,6 +4,9 @@ use crate::Ray;
 use isokit_geom::{Affine, vector::Vector};
 use isokit_volume::{Sample, Scaling, View};
 
+/// Places in a line that are looked at together.
+pub(crate) const LANES: usize = 4;
+
 /// The values of a volume between its samples, in its box from the first sample to the last. Of samples that are i32,
 /// u32 or f64 what differs by less than a ten-millionth is one value.
 #[derive(Clone, Copy, Debug)]
@@ -107,10 +110,50 @@ impl<'a, T: Sample> Trilinear<'a, T> {
     #[inline(always)]
     pub(crate) fn value(&self, cell: [usize; 3], [x, y, z]: [f32; 3]) -> f32 {
         let corners = self.view.cell(cell).map(|sample| sample.to_f64() as f32);
-        let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
         let edge = |k: usize| mix(corners[k], corners[k + 1], x);
         let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
         self.scale.value(stored)
+    }
+
+    /// The values at places in a line: at `start + (first + i) · step` of index space for each lane `i`. A place beyond
+    /// the volume is taken for the nearest in it.
+    #[inline(always)]
+    pub(crate) fn values(
+        &self,
+        start: [f64; 3],
+        step: [f64; 3],
+        first: f64,
+        values: &mut [f32; LANES],
+    ) {
+        /// Added to a number, leaves it as a whole one in the lower bits.
+        const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+        let mut cells = [[0_u32; LANES]; 3];
+        let mut parts = [[0.0_f32; LANES]; 3];
+        for k in 0..3 {
+            let last = self.view.dims()[k] as f64 - 1.0;
+            for i in 0..LANES {
+                let place = start[k] + (first + i as f64) * step[k];
+                let place = least(greatest(place, 0.0), last);
+                // The nearest whole number to half a sample before is the cell; of a place on a sample, one of the two
+                // that meet there.
+                let low = least(place - 0.5 + WHOLE, last - 1.0 + WHOLE);
+                cells[k][i] = low.to_bits() as u32;
+                parts[k][i] = (place - (low - WHOLE)) as f32;
+            }
+        }
+        let mut corners = [[0.0_f32; LANES]; 8];
+        for i in 0..LANES {
+            let cell = self.view.cell([0, 1, 2].map(|k| cells[k][i] as usize));
+            for (corner, sample) in corners.iter_mut().zip(cell) {
+                corner[i] = sample.to_f64() as f32;
+            }
+        }
+        for i in 0..LANES {
+            let [x, y, z] = [0, 1, 2].map(|k| parts[k][i]);
+            let edge = |k: usize| mix(corners[k][i], corners[k + 1][i], x);
+            let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
+            values[i] = self.scale.value(stored);
+        }
     }
 
     /// The gradient in the world, but for its length, at a place in index space: by central differences of values a
@@ -118,6 +161,63 @@ impl<'a, T: Sample> Trilinear<'a, T> {
     /// gives; at the border and beside what has no value, by that of one side.
     #[inline(always)]
     pub(crate) fn gradient(&self, place: [f64; 3]) -> Vector {
+        let (cell, part) = self.cell(place);
+        let dims = self.view.dims();
+        if (0..3).all(|k| cell[k] >= 1 && cell[k] + 2 < dims[k]) {
+            let found = self.within(cell, part);
+            if found.iter().all(|part| part.is_finite()) {
+                return self.to_world(found.map(f64::from));
+            }
+        }
+        self.beside(place)
+    }
+
+    /// The same, in index space, where there are samples on all sides.
+    #[inline(always)]
+    fn within(&self, cell: [usize; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let row = |j: usize, k: usize| -> [f32; 4] {
+            let low = [cell[0] - 1, cell[1] + j - 1, cell[2] + k - 1];
+            match self.view.four(low) {
+                Some(four) => four.map(|sample| sample.to_f64() as f32),
+                None => std::array::from_fn(|i| {
+                    self.view.stored([low[0] + i, low[1], low[2]]).to_f64() as f32
+                }),
+            }
+        };
+        // By places along y and z; of those on the outer rows only the two in the middle count.
+        let rows = [row(1, 1), row(2, 1), row(1, 2), row(2, 2)];
+        let line: [f32; 4] = std::array::from_fn(|i| {
+            mix(mix(rows[0][i], rows[1][i], y), mix(rows[2][i], rows[3][i], y), z)
+        });
+        let middle = |row: [f32; 4]| mix(row[1], row[2], x);
+        let [a, b, c, d] = rows.map(middle);
+        let rise = |[before, low, high, after]: [f32; 4], share: f32| {
+            mix(high, after, share) - mix(before, low, share)
+        };
+        let outer = |j: usize, k: usize| middle(row(j, k));
+        let along_y = mix(
+            rise([outer(0, 1), a, b, outer(3, 1)], y),
+            rise([outer(0, 2), c, d, outer(3, 2)], y),
+            z,
+        );
+        let along_z = mix(
+            rise([outer(1, 0), a, c, outer(1, 3)], z),
+            rise([outer(2, 0), b, d, outer(2, 3)], z),
+            y,
+        );
+        [rise(line, x), along_y, along_z].map(|rise| rise * self.scale.slope)
+    }
+
+    fn to_world(&self, part: Vector) -> Vector {
+        let columns = &self.covectors;
+        std::array::from_fn(|k| {
+            columns[0][k] * part[0] + columns[1][k] * part[1] + columns[2][k] * part[2]
+        })
+    }
+
+    /// The gradient where samples are missing on a side.
+    #[inline(never)]
+    fn beside(&self, place: [f64; 3]) -> Vector {
         let dims = self.view.dims();
         let part: [f64; 3] = std::array::from_fn(|k| {
             let at = |offset: f64| {
@@ -133,11 +233,26 @@ impl<'a, T: Sample> Trilinear<'a, T> {
             let one_sided = || rise(before, at(0.0)).or_else(|| rise(at(0.0), after));
             rise(before, after).or_else(one_sided).unwrap_or(0.0)
         });
-        let columns = &self.covectors;
-        std::array::from_fn(|k| {
-            columns[0][k] * part[0] + columns[1][k] * part[1] + columns[2][k] * part[2]
-        })
+        self.to_world(part)
     }
+}
+
+/// The lesser of two numbers, in one instruction; the second if one is no number.
+#[inline(always)]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers, in one instruction; the second if one is no number.
+#[inline(always)]
+fn greatest(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Part of the way from one number to another.
+#[inline(always)]
+fn mix(a: f32, b: f32, share: f32) -> f32 {
+    a + (b - a) * share
 }
 
 impl Scale {
