@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Measures pictures of isokit and VTK, and what it is worth to skip what cannot be seen.
 
-Times are of a picture in memory from samples or surfaces in memory, medians of rounds in which the contenders
-take turns; what is found out once for many pictures (bricks, meshes) is apart. Errors of ray casting are root
-mean squares of colours from 0 to 1 against a picture with steps of a sixteenth, before black, rounded to 8
-bits as VTK's are. VTK's ray caster is vtkFixedPointVolumeRayCastMapper; its surfaces are drawn by OpenGL on the
-processor, with depth peeling. Started by `scripts/bench_render`.
+Times are of a picture in memory from samples or surfaces in memory, medians of rounds in which
+the contenders take turns; what is found out once for many pictures (bricks, meshes) is apart.
+Errors of ray casting are root mean squares of colours from 0 to 1 against a picture of the same
+program with steps of a sixteenth, before black, rounded to 8 bits as VTK's are. VTK's ray caster is
+vtkFixedPointVolumeRayCastMapper; its surfaces are drawn by OpenGL on the processor, with depth
+peeling. Started by `scripts/bench_render`.
 """
 
 import argparse
@@ -124,11 +125,12 @@ def values(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
                 )
                 fine = Caster(volume, view, transfer, step / FINE)
                 fine.seconds()
-                theirs_fine, ours_fine = fine.picture(), own.picture(own.cast, view, transfer, step / FINE)
+                theirs_fine = fine.picture()
+                ours_fine = own.picture(own.cast, view, transfer, step / FINE)
                 ours = eight_bits(own.picture(own.cast, view, transfer, step))
                 rows.append(
                     {
-                        "what": f"{volume.name} {size}², {'lit' if lit else 'not lit'}, step {step:g}",
+                        "what": f"{volume.name} {size}², {'' if lit else 'not '}lit, step {step:g}",
                         "isokit ms": 1e3 * ours_s,
                         "VTK ms": 1e3 * theirs_s,
                         "times faster": theirs_s / ours_s,
@@ -160,7 +162,9 @@ def surfaces(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
     difference = rms(eight_bits(own.picture(own.draw, view, HEAD)), theirs.picture())
     own.worker.close()
     rows = []
-    for how, seconds in (("", ours_s), (", four points a pixel", smooth_s), (", by rays without a mesh", rays_s)):
+    all_seconds = (ours_s, smooth_s, rays_s)
+    hows = ("", ", four points a pixel", ", by rays without a mesh")
+    for how, seconds in zip(hows, all_seconds, strict=True):
         rows.append(
             {
                 "what": f"CT head {size}², three surfaces{how}",
@@ -222,19 +226,23 @@ PARTS = {"values": values, "surfaces": surfaces, "skipped": skipped}
 
 def say(row: dict) -> None:
     """One line for who waits."""
-    print(" · ".join(f"{key} {cell(value)}" if key != "what" else value for key, value in row.items()), flush=True)
+    cells = [f"{key} {cell(value)}" for key, value in row.items() if key != "what"]
+    print(" · ".join([row["what"], *cells]), flush=True)
 
 
 def cell(value: object) -> str:
     """A figure for people."""
-    return f"{value:.3g}" if isinstance(value, float) and value < 1000 else f"{value:,.0f}" if isinstance(value, (int, float)) else str(value)
+    if isinstance(value, float) and value < 1000:
+        return f"{value:.3g}"
+    return f"{value:,.0f}" if isinstance(value, int | float) else str(value)
 
 
 def table(rows: list[dict]) -> list[str]:
     """Markdown."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     lines = ["| " + " | ".join(names) + " |", "| --- |" + " ---: |" * (len(names) - 1)]
-    return lines + ["| " + " | ".join(cell(row.get(name, "")) for name in names) + " |" for row in rows]
+    cells = [[cell(row.get(name, "")) for name in names] for row in rows]
+    return lines + [f"| {' | '.join(row)} |" for row in cells]
 
 
 def report(data: dict) -> str:
@@ -243,8 +251,9 @@ def report(data: dict) -> str:
     lines = [
         f"# Pictures, {data['date']}",
         "",
-        f"Printed by `scripts/bench_render`, isokit {data['versions']['isokit']}, VTK {data['versions'].get('vtk', '?')}, on "
-        f"{facts['cpu']}, {data['threads']} threads, {data['rounds']} rounds. "
+        f"Printed by `scripts/bench_render`, isokit {data['versions']['isokit']}, "
+        f"VTK {data['versions'].get('vtk', '?')}, on {facts['cpu']}, {data['threads']} threads, "
+        f"{data['rounds']} rounds. "
         + " ".join((__doc__ or "").split("\n\n")[1].split()),
         "",
     ]
@@ -261,7 +270,8 @@ def main() -> int:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--quick", action="store_true", help="small pictures, few rounds: whether it works")
+    quick = "small pictures, few rounds: whether it works"
+    parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--only", action="append", choices=PARTS, help="a part; repeat it")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--rounds", type=int, default=7)

@@ -1,6 +1,7 @@
-"""VTK as a contender of `scripts/bench_render`: ray casting on the processor, surfaces by software OpenGL.
+"""VTK as a contender of `scripts/bench_render`: ray casting, and surfaces by software OpenGL.
 
-Needs numpy and vtk. Colours are given in linear light, and taken back so: VTK mixes what it is given.
+Needs numpy and vtk. Colours are given in linear light, and taken back so: VTK mixes what it is
+given.
 """
 
 import time

@@ -100,7 +100,7 @@ impl RenderPlan {
             .ok_or_else(|| UsageError("[output] size: expected two numbers above 0".into()))?;
         let light = light(&file.light)?;
         let (transfer, unit) = transfer(args.preset, file.transfer.as_ref())?;
-        let (targets, report) = targets(&args)?;
+        let (targets, report) = targets(&args, &subject)?;
         let step = file.sampling.step.unwrap_or(RaycastOptions::DEFAULT.step);
         Ok(Self {
             subject,
@@ -315,7 +315,7 @@ fn background(ground: Option<Ground>) -> Background {
 }
 
 /// Where pictures and report go.
-fn targets(args: &RenderArgs) -> Result<(Vec<Stream>, Option<TextTarget>)> {
+fn targets(args: &RenderArgs, subject: &Subject) -> Result<(Vec<Stream>, Option<TextTarget>)> {
     let report = args.report.as_deref().map(Stream::named).transpose()?;
     let output = args.output.as_deref().filter(|_| !args.plan);
     let Some(output) = output else { return Ok((vec![], report)) };
@@ -343,7 +343,11 @@ fn targets(args: &RenderArgs) -> Result<(Vec<Stream>, Option<TextTarget>)> {
         }
         one => vec![one],
     };
-    let mut places = Places::of_input(&args.input);
+    let (Subject::Volume(input, _) | Subject::Mesh(input)) = subject;
+    let mut places = Places::of_input(input);
+    if *input != args.input {
+        places.add("the scene", &args.input)?;
+    }
     let files = targets.iter().map(|target| ("--output", target));
     for (by, stream) in files.chain(report.as_ref().map(|report| ("--report", report))) {
         if let Stream::File(path) = stream {

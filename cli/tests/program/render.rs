@@ -237,6 +237,12 @@ fn scenes_that_make_no_sense_are_refused_with_their_place() {
         assert!(ran.err.contains(says), "{scene}: {}", ran.err);
         assert!(!folder.names().contains(&"a.png".to_owned()));
     }
+    fs::write(folder.path("s.toml"), SCENE).unwrap();
+    for (report, by) in [("ball.nii", "the input"), ("s.toml", "the scene")] {
+        let ran = folder.run(&format!("render s.toml -o a.png --report {report}"));
+        assert_eq!(ran.exit, Exit::Usage, "{}", ran.err);
+        assert!(ran.err.contains(by), "{}", ran.err);
+    }
     let ran = folder.run("render gone.toml -o a.png");
     assert!(ran.err.contains("gone.toml: cannot read the scene"), "{}", ran.err);
 }

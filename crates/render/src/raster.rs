@@ -154,8 +154,8 @@ pub enum RasterError {
     /// The caller's choice: larger than places in the picture are numbered.
     #[error("a picture of {} by {} pixels: {MOST_PIXELS} are the most on a side", .0.width, .0.height)]
     Size(Size),
-    /// There are more triangles than 32 bits number.
-    #[error("{0} triangles in one picture are more than 32 bits can number")]
+    /// There are more triangles than 31 bits number: beyond those come pieces of them.
+    #[error("{0} triangles in one picture are more than 31 bits can number")]
     Triangles(u64),
     /// The job was cancelled, or allows less memory.
     #[error(transparent)]
@@ -177,7 +177,7 @@ const MOST_PIXELS: u32 = 1 << 16;
 ///
 /// # Errors
 ///
-/// If the picture has more than 65,536 pixels on a side; if the surfaces have more than 2³² triangles; if the job is
+/// If the picture has more than 65,536 pixels on a side; if the surfaces have more than 2³¹ triangles; if the job is
 /// cancelled or does not allow the memory.
 pub fn rasterize(
     surfaces: &[Painted<'_>],

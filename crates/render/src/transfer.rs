@@ -132,9 +132,9 @@ pub(crate) struct Lookup<'a> {
     /// Entries per value.
     scale: f32,
     /// One more than there are parts.
-    entries: Vec<[f32; 4]>,
+    entries: Box<[[f32; 4]; PARTS + 1]>,
     /// Whether a part is not as good as linear.
-    is_bent: Vec<bool>,
+    is_bent: Box<[bool; PARTS]>,
 }
 
 /// Parts of a lookup: few enough for the second cache.
@@ -154,10 +154,10 @@ impl<'a> Lookup<'a> {
         let base = (least - beyond) as f32;
         let width = greatest + beyond - f64::from(base);
         let scale = (PARTS as f64 / width) as f32;
-        let is_bent = vec![false; PARTS];
-        let mut lookup = Self { function, step, base, scale, entries: vec![], is_bent };
+        let (entries, is_bent) = (Box::new([[0.0; 4]; PARTS + 1]), Box::new([false; PARTS]));
+        let mut lookup = Self { function, step, base, scale, entries, is_bent };
         let value = |n: usize| f64::from(base) + width * (n as f64 / PARTS as f64);
-        lookup.entries = (0..=PARTS).map(|n| lookup.over(value(n), 1.0)).collect();
+        lookup.entries = Box::new(std::array::from_fn(|n| lookup.over(value(n), 1.0)));
         for value in points.iter().map(|point| point.value as f32) {
             // Of a step this side and the other.
             let is_off = [value, value.next_down()].into_iter().any(|value| {
@@ -209,7 +209,8 @@ impl<'a> Lookup<'a> {
     #[inline(always)]
     fn part(&self, value: f32) -> (usize, f32) {
         let place = ((value - self.base) * self.scale).clamp(0.0, PARTS as f32);
-        let part = (place as usize).min(PARTS - 1);
+        // As i32, for which the processor has an instruction.
+        let part = (place as i32 as usize).min(PARTS - 1);
         (part, place - part as f32)
     }
 }
