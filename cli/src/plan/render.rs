@@ -77,10 +77,11 @@ const WHITE: Rgba = Rgba([u8::MAX; 4]);
 
 impl RenderPlan {
     pub(crate) fn new(args: RenderArgs) -> Result<Self> {
-        let is_scene =
-            args.input.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-        let file = if is_scene { SceneFile::read(&args.input)? } else { SceneFile::default() };
-        let subject = subject(&args, &file)?;
+        let ending = args.input.extension();
+        let is_scene = ending.is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+        let file = is_scene.then(|| SceneFile::read(&args.input)).transpose()?;
+        let subject = subject(&args, file.as_ref())?;
+        let file = file.unwrap_or_default();
         let surfaces = surfaces(&args.iso, &file.surface)?;
         let is_mesh = matches!(subject, Subject::Mesh(_));
         let default = match surfaces.is_empty() && !is_mesh {
@@ -121,15 +122,13 @@ impl RenderPlan {
 }
 
 /// What is looked at: what the scene names, or what was typed.
-fn subject(args: &RenderArgs, file: &SceneFile) -> Result<Subject, UsageError> {
-    let is_scene =
-        *file != SceneFile::default() || args.input.extension().is_some_and(|e| e == "toml");
-    if !is_scene {
+fn subject(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject, UsageError> {
+    let Some(file) = file else {
         return Ok(match mesh_format(&args.input) {
             Some(_) => Subject::Mesh(args.input.clone()),
             None => Subject::Volume(args.input.clone(), args.volume.options()),
         });
-    }
+    };
     let Some(volume) = &file.volume else {
         let says = "the scene names no volume: [volume] with path = \"…\" does";
         return Err(UsageError(format!("{}: {says}", args.input.display())));

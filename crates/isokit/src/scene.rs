@@ -197,7 +197,11 @@ impl Scene {
     ) -> Result<(Image, Drawn), SceneError> {
         assert_eq!(meshes.len(), self.surfaces.len(), "one mesh for each surface");
         self.check_names()?;
-        let bounds = self.visible(meshes).unwrap_or(around.0);
+        let bounds = match self.viewpoint {
+            Viewpoint::Framed { .. } => self.visible(meshes).unwrap_or(around.0),
+            // The middle stays where it is, whatever planes leave.
+            Viewpoint::At { .. } => around.0,
+        };
         let camera = self.viewpoint.camera((bounds, around.1), size)?;
         let clips: Vec<Vec<HalfSpace>> =
             self.surfaces.iter().map(|look| self.halves(look)).collect();

@@ -153,6 +153,23 @@ fn needs_say_why_nothing_is_made_of_a_surface() {
 }
 
 #[test]
+fn a_camera_at_a_place_looks_at_the_same_middle_whatever_planes_leave() {
+    let scan = scan();
+    let look = |clips: Vec<Clip>| {
+        let projection = Projection::Parallel { height: 60.0 };
+        let (from, up) = ([0.0, 60.0, 0.0], [0.0, 0.0, 1.0]);
+        let viewpoint = Viewpoint::At { from, at: None, up, projection };
+        drawn(&Scene { clips, viewpoint, ..scene() }, &scan).unwrap()
+    };
+    let half = HalfSpace::new([1.0, 0.0, 0.0], 0.0).unwrap();
+    let (whole, cut) =
+        (look(vec![]), look(vec![Clip { half, surfaces: None, cap: CapStyle::None }]));
+    // What is left, on the right as seen from the front, is where it was; of the rest one looks into the half.
+    assert_eq!(cut.pixel(60, 40), whole.pixel(60, 40));
+    assert_eq!(cut.pixel(20, 40), Gathered::NOTHING);
+}
+
+#[test]
 fn rays_are_cut_by_planes_that_cut_all() {
     let scan = scan();
     let points = [(0.0, 0.0), (1.0, 0.1)].map(|(value, opacity)| ControlPoint {
