@@ -166,7 +166,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         if (0..3).all(|k| cell[k] >= 1 && cell[k] + 2 < dims[k]) {
             let found = self.within(cell, part);
             if found.iter().all(|part| part.is_finite()) {
-                return self.to_world(found.map(f64::from));
+                return self.in_world(found.map(f64::from));
             }
         }
         self.beside(place)
@@ -208,7 +208,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         [rise(line, x), along_y, along_z].map(|rise| rise * self.scale.slope)
     }
 
-    fn to_world(&self, part: Vector) -> Vector {
+    fn in_world(&self, part: Vector) -> Vector {
         let columns = &self.covectors;
         std::array::from_fn(|k| {
             columns[0][k] * part[0] + columns[1][k] * part[1] + columns[2][k] * part[2]
@@ -233,7 +233,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
             let one_sided = || rise(before, at(0.0)).or_else(|| rise(at(0.0), after));
             rise(before, after).or_else(one_sided).unwrap_or(0.0)
         });
-        self.to_world(part)
+        self.in_world(part)
     }
 }
 

@@ -150,11 +150,11 @@ impl Way {
     #[inline(always)]
     fn leaving(&self, around: [[f64; 2]; 3]) -> f64 {
         let mut far = self.steps;
-        for k in 0..3 {
+        for (k, ends) in around.into_iter().enumerate() {
             // Along an axis on which it does not move it does not leave.
             let leaves = match self.step[k] {
                 0.0 => f64::INFINITY,
-                step => (around[k][usize::from(step > 0.0)] - self.start[k]) * self.pace[k],
+                step => (ends[usize::from(step > 0.0)] - self.start[k]) * self.pace[k],
             };
             far = if leaves < far { leaves } else { far };
         }
