@@ -4,6 +4,7 @@
 //! columns side by side, so that no step waits for the one before; they are put together only at the end of a block.
 
 use crate::{Lane, Level, Threshold, WORD, words};
+use std::ops::Range;
 
 #[cfg(target_arch = "x86_64")]
 mod wide;
@@ -93,6 +94,19 @@ impl<T: Lane> Columns<T> {
             half /= 2;
         }
         Extent { least: least[0], greatest: greatest[0], has_nan: self.has_nan }
+    }
+
+    /// Some columns together; whether one has NaN is told of all.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many.
+    #[inline]
+    pub fn some(&self, columns: Range<usize>) -> Extent<T> {
+        let pairs = self.least[columns.clone()].iter().zip(&self.greatest[columns]);
+        let extents = pairs.map(|(&least, &greatest)| Extent { least, greatest, has_nan: false });
+        let all = extents.fold(Extent::EMPTY, Extent::with);
+        Extent { has_nan: self.has_nan, ..all }
     }
 
     /// The first column alone.

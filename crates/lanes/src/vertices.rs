@@ -2,7 +2,7 @@
 //!
 //! The samples around the ends of a batch of edges are loaded, one number per edge, and everything after
 //! that is arithmetic on all sixteen. There is one text for all levels, no fused multiply-add and no
-//! estimate of a reciprocal, so the bits are the same; `wide.rs` has what the text is written in.
+//! estimate of a reciprocal, so the bits are the same; `wide.rs` of the crate has what the text is written in.
 //!
 //! Positions are f64 until they are whole. Normals come out as f32 and are made in f32, from differences
 //! of samples that are rounded once; they are right to a few units of their last place.
@@ -20,16 +20,16 @@ mod field;
 mod normals;
 mod roots;
 #[cfg(test)]
-mod tests;
-mod wide;
+pub(crate) mod tests;
 
 pub use curves::{Curve, Gradient, OneByOne, curved_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
-pub(crate) use wide::Exact;
 
-use crate::{Lane, Level, Samples};
-use wide::{BATCH, Float, Mask, Task, Wide, run_at};
+use crate::{
+    Lane, Level, Samples,
+    wide::{BATCH, Exact, Float, Mask, Task, Wide, run_at},
+};
 
 /// The greatest part of a gradient of differences, so that no part of any weight has lost a digit: from 2⁻⁶⁰
 /// to 2¹²⁰.

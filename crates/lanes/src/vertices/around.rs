@@ -1,10 +1,10 @@
 //! What is around the edges of a batch: samples at their ends, and differences of those beside them.
 
-use super::{
-    Kernel,
+use super::Kernel;
+use crate::{
+    Lane,
     wide::{BATCH, Exact, Mask, Wide},
 };
-use crate::Lane;
 
 /// The edges of a batch: the places of both ends along x, y, z, and a bit each for what is true of them.
 #[derive(Clone, Copy)]

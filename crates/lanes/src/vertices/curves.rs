@@ -14,9 +14,11 @@ use super::{
     around::Batch,
     normals::Normals,
     roots::{Roots, Search},
+};
+use crate::{
+    Coordinate, Edges, Lane, Level, Samples,
     wide::{BATCH, Mask, Task, Wide, run_at},
 };
-use crate::{Coordinate, Edges, Lane, Level, Samples};
 
 #[cfg(test)]
 mod tests;

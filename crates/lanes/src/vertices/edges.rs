@@ -1,7 +1,6 @@
 //! Edges on their way to vertices.
 
-use super::wide::BATCH;
-use crate::{Level, WORD, Word, word::OWN};
+use crate::{Level, WORD, Word, wide::BATCH, word::OWN};
 
 /// With so many edges or more the queue is to be emptied: calls cost nothing then, and the first cache
 /// still holds them all, but for those of dense words.

@@ -1,6 +1,6 @@
 //! What vertices depend on beside samples and edges, and in what type they come out.
 
-use super::wide::{BATCH, Wide};
+use crate::wide::{BATCH, Wide};
 
 /// A type of coordinate in the output: `f32` or `f64`.
 pub trait Coordinate: Copy + Default + Send + sealed::Write {

@@ -11,9 +11,11 @@
 use super::{
     Kernel,
     curves::{Gradient, Line, Stencil},
+};
+use crate::{
+    Lane,
     wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
-use crate::Lane;
 use std::ops::Range;
 
 /// The range of a gradient's greatest part within which its square neither overflows nor vanishes.

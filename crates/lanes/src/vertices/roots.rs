@@ -7,10 +7,8 @@
 //! Each operation needs what the one before gives. So the way is taken in stages, each by several batches in turn:
 //! a stage is short enough for the machine to work at some batches at once.
 
-use super::{
-    curves::Line,
-    wide::{BATCH, Float, Mask, Task, Wide},
-};
+use super::curves::Line;
+use crate::wide::{BATCH, Float, Mask, Task, Wide};
 use std::ops::Range;
 
 /// The rises of which no f32 that counts overflows or loses a digit: 2⁻⁶⁰ to 2⁶⁰.

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// Plain Rust, which the compiler makes wide as far as it can.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Plain;
+pub(crate) struct Plain;
 
 /// Sixteen numbers.
 #[derive(Clone, Copy)]
@@ -189,6 +189,22 @@ impl Wide for Plain {
     #[inline(always)]
     fn f64_to_f32(self, numbers: Array<f64>) -> Array<f32> {
         Array(each!(n => numbers.0[n] as f32))
+    }
+
+    #[inline(always)]
+    fn truncate(self, numbers: Array<f64>) -> Array<u32> {
+        // As i32, for which processors have an instruction.
+        Array(each!(n => numbers.0[n] as i32 as u32))
+    }
+
+    #[inline(always)]
+    fn truncate_f32(self, numbers: Array<f32>) -> Array<u32> {
+        Array(each!(n => numbers.0[n] as i32 as u32))
+    }
+
+    #[inline(always)]
+    fn u32_to_f32(self, numbers: Array<u32>) -> Array<f32> {
+        Array(each!(n => numbers.0[n] as i32 as f32))
     }
 
     #[inline(always)]

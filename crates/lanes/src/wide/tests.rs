@@ -68,6 +68,15 @@ impl Task for Every<'_> {
             wide.store_f32(*numbers, &mut to);
             out.extend(to.map(|x| bits(x.into())));
         }
+        let small = [0.0, 0.999, 1.5, 7.0, 1e6 + 0.75, f64::from(i32::MAX)];
+        let small = std::array::from_fn(|i| small[(i + whole[0][0] as usize) % small.len()]);
+        out.extend(wide.store(wide.truncate(wide.load_f64(&small))).map(u64::from));
+        let short = wide.load_f32(&small.map(|x: f64| x.min(16_777_216.0) as f32));
+        let whole_short = wide.truncate_f32(short);
+        out.extend(wide.store(whole_short).map(u64::from));
+        let mut to = [0.0; BATCH];
+        wide.store_f32(wide.u32_to_f32(whole_short), &mut to);
+        out.extend(to.map(|x| bits(x.into())));
         let own = wide.mask(places);
         for numbers in [n + m, n * m, wide.select(less, n, m), wide.select(own, n, m)] {
             out.extend(wide.store(numbers).map(u64::from));

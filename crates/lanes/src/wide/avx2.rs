@@ -7,20 +7,20 @@ mod registers;
 
 use super::{BATCH, Exact, Wide, three_along_x};
 use crate::{Lane, Samples};
-use gather::{exact, gather, gather_f64, three_of_four};
+use gather::{exact, gather, gather_f64, words_of_four, words_of_two};
 use registers::{Choice, F32, F64, U32, four, two};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
 /// A token: who holds one, or a register, has the instructions.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Avx2(());
+pub(crate) struct Avx2(());
 
 impl Avx2 {
     /// # Safety
     ///
     /// The machine must have AVX2.
     #[inline(always)]
-    pub(in super::super) unsafe fn new() -> Self {
+    pub(crate) unsafe fn new() -> Self {
         Self(())
     }
 }
@@ -189,6 +189,27 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
+    fn truncate(self, numbers: F64) -> U32 {
+        // SAFETY: there is a token.
+        unsafe {
+            let parts = four!(N => _mm256_cvttpd_epi32(numbers.0[N]));
+            U32(two!(N => _mm256_set_m128i(parts[2 * N + 1], parts[2 * N])))
+        }
+    }
+
+    #[inline(always)]
+    fn truncate_f32(self, numbers: F32) -> U32 {
+        // SAFETY: there is a token.
+        U32(unsafe { two!(N => _mm256_cvttps_epi32(numbers.0[N])) })
+    }
+
+    #[inline(always)]
+    fn u32_to_f32(self, numbers: U32) -> F32 {
+        // SAFETY: there is a token.
+        F32(unsafe { two!(N => _mm256_cvtepi32_ps(numbers.0[N])) })
+    }
+
+    #[inline(always)]
     fn to_unit(self, numbers: F32) -> F32 {
         // SAFETY: there is a token.
         unsafe {
@@ -256,10 +277,77 @@ impl Wide for Avx2 {
                     let own = two!(N => _mm256_srli_epi32::<16>(first[N]));
                     [first, own, gather(self, below.wrapping_add(2), at)]
                 }
-                _ => three_of_four(self, below.cast(), at),
+                _ => {
+                    let [below, own, above, _] = words_of_four(self, below.cast(), at);
+                    [below, own, above]
+                }
             }
         };
         [exact::<T>(self, below), exact::<T>(self, own), exact::<T>(self, above)]
+    }
+
+    #[inline(always)]
+    unsafe fn two_along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 2] {
+        let x = samples.strides()[0];
+        if size_of::<T>() > 4 || x != 1 {
+            // SAFETY: the caller says so.
+            return unsafe { [self.near(samples, from, at), self.near(samples, from + x, at)] };
+        }
+        let base = samples.all().as_ptr().wrapping_offset(from as isize);
+        // SAFETY: there is a token, and the caller says that both samples are there, and four bytes from the
+        // first.
+        let [own, above] = unsafe {
+            match size_of::<T>() {
+                1 => {
+                    let both = gather(self, base, at);
+                    [both, two!(N => _mm256_srli_epi32::<8>(both[N]))]
+                }
+                2 => {
+                    let both = gather(self, base, at);
+                    [both, two!(N => _mm256_srli_epi32::<16>(both[N]))]
+                }
+                _ => words_of_two(self, base.cast(), at),
+            }
+        };
+        [exact::<T>(self, own), exact::<T>(self, above)]
+    }
+
+    #[inline(always)]
+    unsafe fn four_along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 4] {
+        let base = samples.all().as_ptr().wrapping_offset(from as isize);
+        let x = samples.strides()[0];
+        // SAFETY: there is a token, and the caller says that all four samples are there.
+        let words = unsafe {
+            match size_of::<T>() {
+                1 if x == 1 => {
+                    let all = gather(self, base, at);
+                    [
+                        all,
+                        two!(N => _mm256_srli_epi32::<8>(all[N])),
+                        two!(N => _mm256_srli_epi32::<16>(all[N])),
+                        two!(N => _mm256_srli_epi32::<24>(all[N])),
+                    ]
+                }
+                4 if x == 1 => words_of_four(self, base.cast(), at),
+                _ => {
+                    let [a, b] = self.two_along_x(samples, from, at);
+                    let [c, d] = self.two_along_x(samples, from + 2 * x, at);
+                    return [a, b, c, d];
+                }
+            }
+        };
+        let [a, b, c, d] = words;
+        [exact::<T>(self, a), exact::<T>(self, b), exact::<T>(self, c), exact::<T>(self, d)]
     }
 
     #[inline(always)]

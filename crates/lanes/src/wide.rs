@@ -1,4 +1,4 @@
-//! Sixteen numbers at a time: what the arithmetic of vertices is written in.
+//! Sixteen numbers at a time: what the arithmetic of vertices, and between samples, is written in.
 //!
 //! [`Plain`] is its definition: arrays, number by number. Wider registers do the same operations, each
 //! rounded once, so that the numbers are the same.
@@ -19,10 +19,10 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 use {avx2::Avx2, avx512::Avx512};
 
 /// Numbers in a batch: one register of f32 at the widest, two of f64.
-pub(super) const BATCH: usize = 16;
+pub(crate) const BATCH: usize = 16;
 
 /// Work that is written once and compiled for every level.
-pub(super) trait Task {
+pub(crate) trait Task {
     fn run<W: Wide>(self, wide: W);
 }
 
@@ -31,7 +31,7 @@ pub(super) trait Task {
 /// # Panics
 ///
 /// If the machine has not the level.
-pub(super) fn run_at(level: Level, task: impl Task) {
+pub(crate) fn run_at(level: Level, task: impl Task) {
     match level {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512 => {
@@ -117,7 +117,16 @@ pub trait Wide: Copy {
     /// Rounded to the nearest.
     fn f64_to_f32(self, numbers: Self::F64) -> Self::F32;
 
-    /// The power of two by which a number becomes one from 1 to 2; for numbers in [`TAME`](super::TAME).
+    /// Without their fractions; for numbers from 0 to 2³¹ − 1.
+    fn truncate(self, numbers: Self::F64) -> Self::U32;
+
+    /// Without their fractions; for numbers from 0 to 2²⁴.
+    fn truncate_f32(self, numbers: Self::F32) -> Self::U32;
+
+    /// For numbers from 0 to 2²⁴.
+    fn u32_to_f32(self, numbers: Self::U32) -> Self::F32;
+
+    /// The power of two by which a number becomes one from 1 to 2; for numbers from 2⁻⁶⁰ to 2¹²⁰.
     fn to_unit(self, numbers: Self::F32) -> Self::F32;
 
     /// The samples of the numbers `from + at[n]`, where `at` counts up and down.
@@ -147,6 +156,44 @@ pub trait Wide: Copy {
     ) -> [<T::Exact as Exact>::Of<Self>; 3] {
         // SAFETY: the caller says so.
         unsafe { three_along_x(self, samples, from, at) }
+    }
+
+    /// The samples at and above the numbers `from + at[n]` along x.
+    ///
+    /// # Safety
+    ///
+    /// As of [`near`](Self::near), and so of the samples above, which must be there.
+    #[inline(always)]
+    unsafe fn two_along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: Self::U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 2] {
+        let x = samples.strides()[0];
+        // SAFETY: the caller says so.
+        unsafe { [self.near(samples, from, at), self.near(samples, from + x, at)] }
+    }
+
+    /// The samples at the numbers `from + at[n]`, and the next three along x.
+    ///
+    /// # Safety
+    ///
+    /// As of [`near`](Self::near), and so of the three above, which must be there.
+    #[inline(always)]
+    unsafe fn four_along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: Self::U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 4] {
+        let x = samples.strides()[0];
+        // SAFETY: the caller says so.
+        unsafe {
+            let [a, b] = self.two_along_x(samples, from, at);
+            let [c, d] = self.two_along_x(samples, from + 2 * x, at);
+            [a, b, c, d]
+        }
     }
 
     /// Three numbers per vertex, from one register per axis.
@@ -234,6 +281,9 @@ pub trait Exact: Copy + Default + Into<f64> {
 
     fn to_f64<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F64;
 
+    /// Rounded to the nearest.
+    fn to_f32<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F32;
+
     /// Sixteen times the same number.
     fn splat<W: Wide>(wide: W, number: f32) -> Self::Of<W>;
 
@@ -257,6 +307,11 @@ impl Exact for f32 {
     #[inline(always)]
     fn to_f64<W: Wide>(wide: W, numbers: W::F32) -> W::F64 {
         wide.f32_to_f64(numbers)
+    }
+
+    #[inline(always)]
+    fn to_f32<W: Wide>(_: W, numbers: W::F32) -> W::F32 {
+        numbers
     }
 
     #[inline(always)]
@@ -286,6 +341,11 @@ impl Exact for f64 {
     #[inline(always)]
     fn to_f64<W: Wide>(_: W, numbers: W::F64) -> W::F64 {
         numbers
+    }
+
+    #[inline(always)]
+    fn to_f32<W: Wide>(wide: W, numbers: W::F64) -> W::F32 {
+        wide.f64_to_f32(numbers)
     }
 
     #[inline(always)]

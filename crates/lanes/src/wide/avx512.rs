@@ -9,14 +9,14 @@ use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
 /// A token: who holds one, or a register, has the instructions.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Avx512(());
+pub(crate) struct Avx512(());
 
 impl Avx512 {
     /// # Safety
     ///
     /// The machine must have AVX-512 F, BW, DQ and VL.
     #[inline(always)]
-    pub(in super::super) unsafe fn new() -> Self {
+    pub(crate) unsafe fn new() -> Self {
         Self(())
     }
 }
@@ -158,6 +158,27 @@ impl Wide for Avx512 {
             let low = _mm512_castps256_ps512(_mm512_cvtpd_ps(numbers.0));
             F32(_mm512_insertf32x8::<1>(low, _mm512_cvtpd_ps(numbers.1)))
         }
+    }
+
+    #[inline(always)]
+    fn truncate(self, numbers: F64) -> U32 {
+        // SAFETY: there is a token.
+        unsafe {
+            let (low, high) = (_mm512_cvttpd_epi32(numbers.0), _mm512_cvttpd_epi32(numbers.1));
+            U32(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
+        }
+    }
+
+    #[inline(always)]
+    fn truncate_f32(self, numbers: F32) -> U32 {
+        // SAFETY: there is a token.
+        U32(unsafe { _mm512_cvttps_epi32(numbers.0) })
+    }
+
+    #[inline(always)]
+    fn u32_to_f32(self, numbers: U32) -> F32 {
+        // SAFETY: there is a token.
+        F32(unsafe { _mm512_cvtepi32_ps(numbers.0) })
     }
 
     #[inline(always)]

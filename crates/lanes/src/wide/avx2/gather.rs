@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Lane,
-    vertices::wide::{Exact, Wide},
+    wide::{Exact, Wide},
 };
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -53,13 +53,13 @@ pub(super) unsafe fn gather_f64(wide: Avx2, base: *const f64, at: U32) -> F64 {
     })
 }
 
-/// Of the four words from each place on the first three: all first ones, all second ones, all third ones.
+/// Of the four words from each place on: all first ones, all second ones, and so on.
 ///
 /// # Safety
 ///
 /// All four must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
-pub(super) unsafe fn three_of_four(wide: Avx2, base: *const f32, at: U32) -> [[__m256i; 2]; 3] {
+pub(super) unsafe fn words_of_four(wide: Avx2, base: *const f32, at: U32) -> [[__m256i; 2]; 4] {
     let numbers = wide.store(at);
     macro_rules! load {
         ($n:expr) => {
@@ -82,11 +82,41 @@ pub(super) unsafe fn three_of_four(wide: Avx2, base: *const f32, at: U32) -> [[_
         let first = two!(N => _mm256_shuffle_ps::<0b01_00_01_00>(low[N], next_low[N]));
         let second = two!(N => _mm256_shuffle_ps::<0b11_10_11_10>(low[N], next_low[N]));
         let third = two!(N => _mm256_shuffle_ps::<0b01_00_01_00>(high[N], next_high[N]));
+        let fourth = two!(N => _mm256_shuffle_ps::<0b11_10_11_10>(high[N], next_high[N]));
         [
             two!(N => _mm256_castps_si256(first[N])),
             two!(N => _mm256_castps_si256(second[N])),
             two!(N => _mm256_castps_si256(third[N])),
+            two!(N => _mm256_castps_si256(fourth[N])),
         ]
+    }
+}
+
+/// Of the two words from each place on: all first ones, and all second ones.
+///
+/// # Safety
+///
+/// Both must lie in the slice that `base` was made from, where `at` counts up and down from it.
+#[inline(always)]
+pub(super) unsafe fn words_of_two(wide: Avx2, base: *const f32, at: U32) -> [[__m256i; 2]; 2] {
+    let numbers = wide.store(at);
+    macro_rules! load {
+        ($n:expr) => {
+            base.wrapping_offset(numbers[$n] as i32 as isize).cast::<f64>().read_unaligned()
+        };
+    }
+    // SAFETY: there is a token, and the caller says that the words are there.
+    unsafe {
+        // Those of places n, n + 1 and n + 4, n + 5, so that halves of registers need not change sides.
+        let low = two!(N => _mm256_castpd_ps(_mm256_setr_pd(
+            load!(8 * N), load!(8 * N + 1), load!(8 * N + 4), load!(8 * N + 5),
+        )));
+        let high = two!(N => _mm256_castpd_ps(_mm256_setr_pd(
+            load!(8 * N + 2), load!(8 * N + 3), load!(8 * N + 6), load!(8 * N + 7),
+        )));
+        let first = two!(N => _mm256_shuffle_ps::<0b10_00_10_00>(low[N], high[N]));
+        let second = two!(N => _mm256_shuffle_ps::<0b11_01_11_01>(low[N], high[N]));
+        [two!(N => _mm256_castps_si256(first[N])), two!(N => _mm256_castps_si256(second[N]))]
     }
 }
 
