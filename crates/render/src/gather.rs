@@ -41,6 +41,15 @@ impl Gathered {
         }
     }
 
+    /// This under a light, of which a surface has a share of its colour and a share of white.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn lit(self, [matt, gloss]: [f32; 2]) -> Self {
+        let white = self.opacity * gloss;
+        let part = |part: f32| (part * matt + white).min(self.opacity);
+        Self { color: self.color.map(part), opacity: self.opacity }
+    }
+
     /// Both, side by side: for a mean.
     #[inline(always)]
     pub(crate) fn plus(self, other: Self) -> Self {

@@ -24,15 +24,34 @@ impl Light {
     /// along `towards`, both of any length above 0. A surface without a normal keeps its colour.
     #[inline(always)]
     pub fn shade(&self, color: [f32; 3], normal: Vector, towards: Vector) -> [f32; 3] {
+        let [matt, gloss] = self.answer(normal, towards);
+        color.map(|part| (part * matt + gloss).min(1.0))
+    }
+
+    /// What share of its colour a surface has under the light, and how much white in addition.
+    #[inline(always)]
+    pub(crate) fn answer(&self, normal: Vector, towards: Vector) -> [f32; 2] {
         let square = dot(normal, normal) * dot(towards, towards);
         if !(square > 0.0 && square.is_finite()) {
-            return color;
+            return [1.0, 0.0];
         }
-        // The light is where the eye is: so is the half vector of the highlight.
         let cosine = (dot(normal, towards) / square.sqrt()).abs().min(1.0) as f32;
-        let matt = self.ambient + self.diffuse * cosine;
-        let gloss = self.specular * cosine.powi(self.shininess.into());
-        color.map(|part| (part * matt + gloss).min(1.0))
+        self.shares([cosine]).map(|[share]| share)
+    }
+
+    /// The same for many surfaces, by the cosines, from 0 to 1, between their normals and where they are seen from.
+    #[inline(always)]
+    pub(crate) fn shares<const N: usize>(&self, cosines: [f32; N]) -> [[f32; N]; 2] {
+        // The light is where the eye is: so is the half vector of the highlight. Its power by squares.
+        let (mut gloss, mut power, mut left) = ([self.specular; N], cosines, self.shininess);
+        while left != 0 {
+            for n in 0..N {
+                gloss[n] *= if left & 1 == 1 { power[n] } else { 1.0 };
+                power[n] *= power[n];
+            }
+            left >>= 1;
+        }
+        [cosines.map(|cosine| self.ambient + self.diffuse * cosine), gloss]
     }
 }
 

@@ -5,7 +5,7 @@
 //! a ray's way through the volume is cut; the last is shorter, and its opacity is corrected to its length, so that
 //! one substance gathers the same at any length of step. A sample that is NaN hides nothing.
 //!
-//! Two things are not computed, and counted: steps in bricks of which no value can be seen (`leap.rs`), which changes
+//! Two things are not computed, and counted: steps in blocks of which no value can be seen (`leap.rs`), which changes
 //! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
 //! Values are f32 ([`Trilinear`](crate::Trilinear)).
 //!
@@ -99,7 +99,7 @@ impl Default for RaycastOptions {
 pub struct Cast {
     /// Steps whose value was looked at.
     pub steps: u64,
-    /// Steps in bricks of which nothing can be seen.
+    /// Steps in blocks of cells of which nothing can be seen.
     pub steps_leapt: u64,
     /// Steps behind what is as good as opaque.
     pub steps_hidden: u64,
@@ -136,6 +136,9 @@ pub enum RaycastError {
     Stopped(#[from] Stopped),
 }
 
+/// Rows of pixels that are cast together.
+const BAND: usize = 4;
+
 /// The most steps that fit along the three edges of a volume. No ray through it has more, but for rounding.
 const MOST_STEPS: f64 = 1e6;
 
@@ -161,25 +164,29 @@ pub fn raycast<T: Sample>(
         let lookup = Lookup::new(medium.transfer, step / unit);
         let view = medium.view;
         let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
-        let clear = bricks.map(|bricks| Clear::new(bricks, view.scaling(), &lookup));
+        let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
         let march = March::new(medium, (&lookup, clear.as_ref()), step, options);
         let middle = |n: usize| n as f64 + 0.5;
-        let row = |(row, pixels): (usize, &mut [Gathered])| {
+        let band = |(band, pixels): (usize, &mut [Gathered])| {
             exactly(|| {
                 job.check()?;
+                let rows = pixels.len() / width;
+                // Down, then to the right, so that rays that are near each other follow each other.
+                let rays = (0..pixels.len()).map(|n| {
+                    let (column, row) = (n / rows, n % rows);
+                    let at = [column, band * BAND + row].map(middle);
+                    (row * width + column, camera.pixel_ray(size, at))
+                });
                 let mut done = Cast::default();
-                for (column, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel =
-                        march.along(&camera.pixel_ray(size, [column, row].map(middle)), &mut done);
-                }
-                job.progress.advance(1);
+                march.along(rays, pixels, &mut done);
+                job.progress.advance(rows as u64);
                 Ok(done)
             })
         };
-        let rows = image.pixels_mut().par_chunks_mut(width).enumerate();
+        let bands = image.pixels_mut().par_chunks_mut(width * BAND).enumerate();
         // Sums of whole numbers are the same in any order.
         let both = |a: Cast, b: Cast| Ok::<_, Stopped>(a.with(b));
-        job.threads.run(|| rows.map(row).try_reduce(Cast::default, both))
+        job.threads.run(|| bands.map(band).try_reduce(Cast::default, both))
     })?;
     Ok((image, done))
 }

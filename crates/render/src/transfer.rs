@@ -4,7 +4,8 @@
 //! both change linearly. An opacity is what a ray gathers over a reference length; over any other it is
 //! corrected (`gather.rs`). `Lookup` has a function ready for many values and one length of step.
 
-use crate::gather::opacity_over;
+use crate::{gather::opacity_over, trilinear::Scale};
+use isokit_lanes::Table;
 use isokit_mesh::Rgba;
 
 /// What values look like.
@@ -110,13 +111,6 @@ impl TransferFunction {
         let color = std::array::from_fn(|n| mix(low.color[n], high.color[n]));
         ControlPoint { value, color, opacity: mix(low.opacity, high.opacity) }
     }
-
-    /// The greatest opacity of any value from `least` to `greatest`.
-    pub fn greatest_opacity(&self, [least, greatest]: [f64; 2]) -> f32 {
-        let within = self.points.iter().filter(|point| (least..=greatest).contains(&point.value));
-        let ends = [least, greatest].map(|value| self.at(value).opacity);
-        within.map(|point| point.opacity).chain(ends).fold(0.0, f32::max)
-    }
 }
 
 /// A transfer function made ready for one length of step: colours, multiplied by the opacities of a step, at
@@ -133,6 +127,10 @@ pub(crate) struct Lookup<'a> {
     scale: f32,
     /// One more than there are parts.
     entries: Box<[[f32; 4]; PARTS + 1]>,
+    /// Whether something is seen in each part.
+    seen: Box<[bool; PARTS]>,
+    /// The first part from each on in which something is seen, or else how many there are.
+    next_seen: Box<[u16; PARTS]>,
     /// Whether a part is not as good as linear.
     is_bent: Box<[bool; PARTS]>,
 }
@@ -154,31 +152,64 @@ impl<'a> Lookup<'a> {
         let base = (least - beyond) as f32;
         let width = greatest + beyond - f64::from(base);
         let scale = (PARTS as f64 / width) as f32;
-        let (entries, is_bent) = (Box::new([[0.0; 4]; PARTS + 1]), Box::new([false; PARTS]));
-        let mut lookup = Self { function, step, base, scale, entries, is_bent };
+        let entries = Box::new([[0.0; 4]; PARTS + 1]);
+        let (seen, is_bent) = (Box::new([true; PARTS]), Box::new([false; PARTS]));
+        let next_seen = Box::new([PARTS as u16; PARTS]);
+        let mut lookup = Self { function, step, base, scale, entries, seen, next_seen, is_bent };
         let value = |n: usize| f64::from(base) + width * (n as f64 / PARTS as f64);
         lookup.entries = Box::new(std::array::from_fn(|n| lookup.over(value(n), 1.0)));
-        for value in points.iter().map(|point| point.value as f32) {
+        for (seen, ends) in lookup.seen.iter_mut().zip(lookup.entries.windows(2)) {
+            *seen = ends.iter().any(|entry| entry[3] > 0.0);
+        }
+        for point in points {
+            let value = point.value as f32;
+            if point.opacity > 0.0 {
+                // However little of it, between entries too.
+                let (part, _) = lookup.part(value);
+                lookup.seen[part.saturating_sub(1)..(part + 2).min(PARTS)].fill(true);
+            }
             // Of a step this side and the other.
             let is_off = [value, value.next_down()].into_iter().any(|value| {
-                let pairs = lookup.between(value).into_iter().zip(lookup.over(value.into(), 1.0));
+                let (part, share) = lookup.part(value);
+                let pairs =
+                    lookup.between(part, share).into_iter().zip(lookup.over(value.into(), 1.0));
                 pairs.into_iter().any(|(found, exact)| (found - exact).abs() > UNSEEN)
             });
             if is_off {
                 let (part, _) = lookup.part(value);
-                lookup.is_bent[part.saturating_sub(1)..(part + 2).min(PARTS)].fill(true);
+                let near = part.saturating_sub(1)..(part + 2).min(PARTS);
+                lookup.seen[near.clone()].fill(true);
+                lookup.is_bent[near].fill(true);
             }
+        }
+        let mut next = PARTS as u16;
+        for part in (0..PARTS).rev() {
+            next = if lookup.seen[part] { part as u16 } else { next };
+            lookup.next_seen[part] = next;
         }
         lookup
     }
 
     /// Colour times opacity, and opacity, of a value that is not NaN.
+    #[cfg(test)]
+    fn at(&self, value: f32) -> [f32; 4] {
+        let (part, share) = self.part(value);
+        self.in_part(part, share, value)
+    }
+
+    /// Colour times opacity, and opacity, of a value that is not NaN, by the [`part`](Self::part) that it is in.
     #[inline(always)]
-    pub(crate) fn at(&self, value: f32) -> [f32; 4] {
-        match self.is_bent[self.part(value).0] {
-            false => self.between(value),
+    pub(crate) fn in_part(&self, part: usize, share: f32, value: f32) -> [f32; 4] {
+        match self.is_bent[part] {
+            false => self.between(part, share),
             true => self.over(value.into(), 1.0),
         }
+    }
+
+    /// The parts, for samples that mean what `scale` says.
+    pub(crate) fn table(&self, scale: Scale) -> Table<'_> {
+        let Scale { slope, intercept } = scale;
+        Table { slope, intercept, base: self.base, scale: self.scale, seen: &self.seen[..] }
     }
 
     /// The same over a part of a step, and as exact as the function is.
@@ -193,24 +224,19 @@ impl<'a> Lookup<'a> {
     /// Whether no value from one to another can be seen.
     pub(crate) fn is_clear(&self, ends: [f32; 2]) -> bool {
         let [first, last] = ends.map(|end| self.part(end).0);
-        let entries = &self.entries[first..=last + 1];
-        entries.iter().all(|entry| entry[3] == 0.0)
-            && self.function.greatest_opacity(ends.map(f64::from)) == 0.0
+        usize::from(self.next_seen[first]) > last
     }
 
     #[inline(always)]
-    fn between(&self, value: f32) -> [f32; 4] {
-        let (part, share) = self.part(value);
+    fn between(&self, part: usize, share: f32) -> [f32; 4] {
         let [low, high] = [self.entries[part], self.entries[part + 1]];
         std::array::from_fn(|n| low[n] + (high[n] - low[n]) * share)
     }
 
     /// The part that a value is in, and how far in it.
-    #[inline(always)]
     fn part(&self, value: f32) -> (usize, f32) {
         let place = ((value - self.base) * self.scale).clamp(0.0, PARTS as f32);
-        // As i32, for which the processor has an instruction.
-        let part = (place as i32 as usize).min(PARTS - 1);
+        let part = (place as usize).min(PARTS - 1);
         (part, place - part as f32)
     }
 }
@@ -248,16 +274,6 @@ mod tests {
         let points = [point(0.0, 0.0, 0.2), point(5.0, 0.0, 0.2), point(5.0, 1.0, 0.9)];
         let step = TransferFunction::new(points.into()).unwrap();
         assert_eq!([4.999, 5.0, 6.0].map(|v| step.at(v).opacity), [0.2, 0.9, 0.9]);
-    }
-
-    #[test]
-    fn the_greatest_opacity_of_a_range_is_that_of_some_value_in_it() {
-        for (least, greatest) in [(-5.0, -1.0), (0.0, 4.0), (4.0, 12.0), (12.0, 40.0), (7.0, 7.0)] {
-            let found = hill().greatest_opacity([least, greatest]);
-            let at = |n: i32| hill().at(least + (greatest - least) * f64::from(n) / 1000.0).opacity;
-            let most = (0..=1000).map(at).fold(0.0, f32::max);
-            assert!((found - most).abs() < 1e-3 && found >= most, "{least} to {greatest}: {found}");
-        }
     }
 
     #[test]
@@ -322,7 +338,8 @@ mod tests {
         }
         let peak = of(&[(0.0, 0.0), (6.9999, 0.0), (7.0, 0.8), (7.0001, 0.0), (31e3, 0.0)]);
         let lookup = Lookup::new(&peak, 1.0);
-        assert!(lookup.is_clear([8.0, 30e3]) && !lookup.is_clear([7.0, 7.0]));
+        // Parts beside that of the peak are taken for such.
+        assert!(lookup.is_clear([40.0, 30e3]) && !lookup.is_clear([7.0, 7.0]));
         assert!(!lookup.is_clear([0.0, 8.0]));
     }
 }

@@ -4,9 +4,6 @@ use crate::Ray;
 use isokit_geom::{Affine, vector::Vector};
 use isokit_volume::{Sample, Scaling, View};
 
-/// Places in a line that are looked at together.
-pub(crate) const LANES: usize = 4;
-
 /// The values of a volume between its samples, in its box from the first sample to the last. Of samples that are i32,
 /// u32 or f64 what differs by less than a ten-millionth is one value.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +18,8 @@ pub struct Trilinear<'a, T> {
 /// What a stored sample means, in f32.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
-    slope: f32,
-    intercept: f32,
+    pub(crate) slope: f32,
+    pub(crate) intercept: f32,
 }
 
 impl<'a, T: Sample> Trilinear<'a, T> {
@@ -82,6 +79,11 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         self.covectors[axis]
     }
 
+    /// What stored samples mean.
+    pub(crate) fn scale(&self) -> Scale {
+        self.scale
+    }
+
     /// The volume.
     pub(crate) fn view(&self) -> &View<'a, T> {
         &self.view
@@ -113,47 +115,6 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         let edge = |k: usize| mix(corners[k], corners[k + 1], x);
         let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
         self.scale.value(stored)
-    }
-
-    /// The values at places in a line: at `start + (first + i) · step` of index space for each lane `i`. A place beyond
-    /// the volume is taken for the nearest in it.
-    #[inline(always)]
-    pub(crate) fn values(
-        &self,
-        start: [f64; 3],
-        step: [f64; 3],
-        first: f64,
-        values: &mut [f32; LANES],
-    ) {
-        /// Added to a number, leaves it as a whole one in the lower bits.
-        const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
-        let mut cells = [[0_u32; LANES]; 3];
-        let mut parts = [[0.0_f32; LANES]; 3];
-        for k in 0..3 {
-            let last = self.view.dims()[k] as f64 - 1.0;
-            for i in 0..LANES {
-                let place = start[k] + (first + i as f64) * step[k];
-                let place = least(greatest(place, 0.0), last);
-                // The nearest whole number to half a sample before is the cell; of a place on a sample, one of the two
-                // that meet there.
-                let low = least(place - 0.5 + WHOLE, last - 1.0 + WHOLE);
-                cells[k][i] = low.to_bits() as u32;
-                parts[k][i] = (place - (low - WHOLE)) as f32;
-            }
-        }
-        let mut corners = [[0.0_f32; LANES]; 8];
-        for i in 0..LANES {
-            let cell = self.view.cell([0, 1, 2].map(|k| cells[k][i] as usize));
-            for (corner, sample) in corners.iter_mut().zip(cell) {
-                corner[i] = sample.to_f64() as f32;
-            }
-        }
-        for i in 0..LANES {
-            let [x, y, z] = [0, 1, 2].map(|k| parts[k][i]);
-            let edge = |k: usize| mix(corners[k][i], corners[k + 1][i], x);
-            let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
-            values[i] = self.scale.value(stored);
-        }
     }
 
     /// The gradient in the world, but for its length, at a place in index space: by central differences of values a
@@ -235,18 +196,6 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         });
         self.in_world(part)
     }
-}
-
-/// The lesser of two numbers, in one instruction; the second if one is no number.
-#[inline(always)]
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers, in one instruction; the second if one is no number.
-#[inline(always)]
-fn greatest(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// Part of the way from one number to another.

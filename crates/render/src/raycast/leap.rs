@@ -1,81 +1,177 @@
-//! Bricks of which nothing can be seen.
+//! Where nothing can be seen.
 
 use crate::{transfer::Lookup, trilinear::Scale};
-use isokit_lanes::Extent;
-use isokit_volume::{BrickGrid, Bricks, Sample, Scaling};
+use isokit_job::{Job, Stopped};
+use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, words};
+use isokit_volume::{Bricks, Sample, View};
+use rayon::prelude::*;
 
-/// For each brick how far around it nothing can be seen.
+/// For each block of a volume how far around it nothing can be seen.
 #[derive(Clone, Debug)]
 pub(super) struct Clear {
-    grid: BrickGrid,
-    /// In bricks along each axis, and diagonally: 0 if something in the brick itself can be seen, 1 if nothing in it can,
+    /// Blocks along x, y, z.
+    counts: [usize; 3],
+    /// In blocks along each axis, and diagonally: 0 if something in the block itself can be seen, 1 if nothing in it can,
     /// 2 if nothing in those that touch it can either, and so on. What is beyond the volume cannot be seen.
     reach: Vec<u8>,
 }
 
+/// Cells of a block along each axis.
+const CELLS: usize = 4;
+
+/// Blocks of a brick along x, y, z: a brick is a word of cells long, and two blocks wide and deep.
+const BLOCKS: [usize; 3] = [WORD / CELLS, 2, 2];
+
+/// What is looked up of samples.
+#[derive(Clone, Copy)]
+struct Looks<'a, T> {
+    view: &'a View<'a, T>,
+    scale: Scale,
+    lookup: &'a Lookup<'a>,
+}
+
 impl Clear {
-    /// A value between samples is between their least and greatest, but for the rounding of three
-    /// interpolations, one after another; so a brick is clear if the lookup shows nothing from there to there.
+    /// Of the bricks of which something can be seen the samples are looked at once more, block by block.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled or does not allow a byte for each block.
     pub(super) fn new<T: Sample>(
+        view: &View<'_, T>,
         bricks: &Bricks<T>,
-        scaling: Scaling,
         lookup: &Lookup<'_>,
-    ) -> Self {
-        let scale = Scale::of(scaling);
-        let is_clear = |extent: &Extent<T>| {
-            let Some(range) = extent.range() else { return true }; // all samples are NaN
-            let [least, greatest] = range.map(|end| end.to_f64() as f32);
-            let slack = 8.0 * f32::EPSILON * least.abs().max(greatest.abs());
-            let [a, b] = [least - slack, greatest + slack].map(|stored| scale.value(stored));
-            lookup.is_clear([a.min(b), a.max(b)])
+        job: &Job,
+    ) -> Result<Self, Stopped> {
+        let counts = view.dims().map(|n| (n - 1).div_ceil(CELLS).max(1));
+        let all = counts.iter().map(|&n| n as u64).product();
+        let mut reach: Vec<u8> = job.limits.zeroed("blocks of the volume", Some(all))?;
+        reach.fill(u8::MAX);
+        let looks = Looks { view, scale: Scale::of(view.scaling()), lookup };
+        let [nx, ny, _] = bricks.grid().counts();
+        let layer = |(z, blocks): (usize, &mut [u8])| {
+            job.check()?;
+            for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
+                if !looks.is_clear(&bricks.extents()[bricks.grid().number([x, y, z])]) {
+                    looks.look_into([x, y, z], counts, blocks);
+                }
+            }
+            Ok::<_, Stopped>(())
         };
-        let far = |extent: &Extent<T>| if is_clear(extent) { u8::MAX } else { 0 };
-        let reach = bricks.extents().iter().map(far).collect();
-        let mut clear = Self { grid: *bricks.grid(), reach };
+        let size = counts[0] * counts[1] * BLOCKS[2];
+        job.threads.run(|| reach.par_chunks_mut(size).enumerate().try_for_each(layer))?;
+        let mut clear = Self { counts, reach };
         clear.spread();
-        clear
+        Ok(clear)
     }
 
-    /// The box, in index space, of bricks around a cell in which all is like in its own; and whether that means that
-    /// nothing in it can be seen.
-    #[inline(always)]
-    pub(super) fn around(&self, cell: [usize; 3]) -> ([[f64; 2]; 3], bool) {
-        let brick: [usize; 3] = std::array::from_fn(|axis| self.grid.brick_of(axis, cell[axis]));
-        let reach = usize::from(self.reach[self.grid.number(brick)]);
-        let ends = |axis: usize| {
-            let cells = BrickGrid::CELLS[axis];
-            let more = reach.saturating_sub(1);
-            let low = brick[axis].saturating_sub(more) * cells;
-            let high = ((brick[axis] + more + 1) * cells).min(self.grid.dims()[axis] - 1);
-            [low as f64, high as f64]
-        };
-        ([ends(0), ends(1), ends(2)], reach > 0)
+    /// The blocks, for leaps.
+    pub(super) fn blocks(&self) -> Option<Blocks<'_>> {
+        Blocks::new(self.counts, CELLS as u16, &self.reach)
     }
 
-    /// From bricks that can be seen to the others: a brick's reach is one more than the least around it (Rosenfeld &
+    /// Whether nothing can be seen in the block that a place of index space, in the volume, is in.
+    pub(super) fn is_clear(&self, place: [f64; 3]) -> bool {
+        let block = |axis: usize| (place[axis] as usize / CELLS).min(self.counts[axis] - 1);
+        self.reach[block(0) + self.counts[0] * (block(1) + self.counts[1] * block(2))] > 0
+    }
+
+    /// From blocks that can be seen to the others: a block's reach is one more than the least around it (Rosenfeld &
     /// Pfaltz 1966, "Sequential operations in digital picture processing": once forward, once backward).
     fn spread(&mut self) {
-        let [nx, ny, nz] = self.grid.counts();
-        let all = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
-        let all: Vec<[usize; 3]> = all.collect();
-        let before = |n: usize| [n % 3, n / 3 % 3, n / 9].map(|offset| offset as isize - 1);
+        let [nx, ny, nz] = self.counts;
+        let mut around = vec![0; nx];
         for is_back in [false, true] {
-            let mut visit = |brick: [usize; 3]| {
-                let around = (0..13).map(before).filter_map(|offset| {
-                    let moved = |k: usize| {
-                        let offset = if is_back { -offset[k] } else { offset[k] };
-                        let there = brick[k].checked_add_signed(offset)?;
-                        (there < [nx, ny, nz][k]).then_some(there)
+            for n in 0..ny * nz {
+                let n = if is_back { ny * nz - 1 - n } else { n };
+                let (y, z) = (n % ny, n / ny);
+                // The rows that were visited and touch this one.
+                let before: &[[isize; 2]] = &[[-1, 0], [-1, -1], [0, -1], [1, -1]];
+                around.fill(u8::MAX);
+                for offset in before {
+                    let [dy, dz] = offset.map(|offset| if is_back { -offset } else { offset });
+                    let (Some(y), Some(z)) = (y.checked_add_signed(dy), z.checked_add_signed(dz))
+                    else {
+                        continue;
                     };
-                    Some(self.reach[self.grid.number([moved(0)?, moved(1)?, moved(2)?])])
-                });
-                let least = around.min().unwrap_or(u8::MAX).saturating_add(1);
-                let number = self.grid.number(brick);
-                self.reach[number] = self.reach[number].min(least);
-            };
-            match is_back {
-                false => all.iter().copied().for_each(&mut visit),
-                true => all.iter().rev().copied().for_each(&mut visit),
+                    if y < ny && z < nz {
+                        let row = &self.reach[(z * ny + y) * nx..][..nx];
+                        for (least, &own) in around.iter_mut().zip(row) {
+                            *least = (*least).min(own);
+                        }
+                    }
+                }
+                let row = &mut self.reach[n * nx..][..nx];
+                take_in(row, &around);
+                match is_back {
+                    false => follow(row.iter_mut()),
+                    true => follow(row.iter_mut().rev()),
+                }
+            }
+        }
+    }
+}
+
+/// A row's reaches are no more than one more than those beside it, and diagonally, in other rows.
+fn take_in(row: &mut [u8], around: &[u8]) {
+    for x in 0..row.len() {
+        let beside = &around[x.saturating_sub(1)..(x + 2).min(around.len())];
+        let least = beside.iter().copied().min().unwrap_or(u8::MAX);
+        row[x] = row[x].min(least.saturating_add(1));
+    }
+}
+
+/// Nor one more than that before it.
+fn follow<'a>(row: impl Iterator<Item = &'a mut u8>) {
+    let mut before = u8::MAX;
+    for reach in row {
+        *reach = (*reach).min(before.saturating_add(1));
+        before = *reach;
+    }
+}
+
+impl<T: Sample> Looks<'_, T> {
+    /// A value between samples is between their least and greatest, but for the rounding of three
+    /// interpolations, one after another; so what holds them is clear if the lookup shows nothing from there to there.
+    fn is_clear(&self, extent: &Extent<T>) -> bool {
+        let Some(range) = extent.range() else { return true }; // all samples are NaN
+        let [least, greatest] = range.map(|end| end.to_f64() as f32);
+        let slack = 8.0 * f32::EPSILON * least.abs().max(greatest.abs());
+        let [a, b] = [least - slack, greatest + slack].map(|stored| self.scale.value(stored));
+        self.lookup.is_clear([a.min(b), a.max(b)])
+    }
+
+    /// Marks the blocks of a brick of which something can be seen, where `blocks` are those of its layer.
+    fn look_into(&self, brick: [usize; 3], counts: [usize; 3], blocks: &mut [u8]) {
+        let dims = self.view.dims();
+        let first = [0, 1, 2].map(|axis| brick[axis] * BLOCKS[axis]);
+        // The samples of so many blocks from one on, with those on the far side.
+        let of = |axis: usize, block: usize, more: usize| {
+            block * CELLS..((block + more) * CELLS + 1).min(dims[axis])
+        };
+        let along_x = of(0, first[0], BLOCKS[0]);
+        let mut scratch = vec![];
+        for (k, j) in (0..BLOCKS[2]).flat_map(|k| (0..BLOCKS[1]).map(move |j| (k, j))) {
+            let (y, z) = (first[1] + j, first[2] + k);
+            if y >= counts[1] || z >= counts[2] {
+                continue;
+            }
+            let mut columns = [Columns::<T>::EMPTY; 2];
+            let columns = &mut columns[..words(along_x.len())];
+            for (z, y) in of(2, z, 1).flat_map(|z| of(1, y, 1).map(move |y| (z, y))) {
+                add_row(self.view.row(y, z).part(along_x.clone()).gather(&mut scratch), columns);
+            }
+            let row = &mut blocks[(k * counts[1] + y) * counts[0]..][..counts[0]];
+            for (n, reach) in row.iter_mut().enumerate().skip(first[0]).take(BLOCKS[0]) {
+                let begin = (n - first[0]) * CELLS;
+                // The far side of the last block is the first column of the next word.
+                let own = columns[0].some(begin..(begin + CELLS + 1).min(WORD));
+                let extent = match columns.get(1) {
+                    Some(next) if begin + CELLS == WORD => own.with(next.first()),
+                    _ => own,
+                };
+                if !self.is_clear(&extent) {
+                    *reach = 0;
+                }
             }
         }
     }
@@ -83,23 +179,27 @@ impl Clear {
 
 #[cfg(test)]
 mod tests {
-    use super::Clear;
-    use isokit_volume::BrickGrid;
+    use super::{CELLS, Clear};
+    use crate::{ControlPoint, TransferFunction, transfer::Lookup};
+    use isokit_job::Job;
+    use isokit_volume::{Bricks, Grid, Volume};
+
+    fn chance() -> impl FnMut(u64) -> u64 {
+        let mut state = 1_u64;
+        move |below| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 40) % below
+        }
+    }
 
     #[test]
-    fn the_reach_is_how_far_the_next_brick_is_that_can_be_seen() {
-        let grid = BrickGrid::new([300, 70, 60]);
-        let [nx, ny, nz] = grid.counts();
-        let mut state = 1_u64;
+    fn the_reach_is_how_far_the_next_block_is_that_can_be_seen() {
+        let (counts, mut chance) = ([9, 8, 7], chance());
+        let [nx, ny, nz] = counts;
         for share in [0, 1, 20] {
-            let seen: Vec<bool> = (0..nx * ny * nz)
-                .map(|_| {
-                    state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-                    (state >> 40) % 300 < share
-                })
-                .collect();
+            let seen: Vec<bool> = (0..nx * ny * nz).map(|_| chance(300) < share).collect();
             let reach = seen.iter().map(|&seen| if seen { 0 } else { u8::MAX }).collect();
-            let mut clear = Clear { grid, reach };
+            let mut clear = Clear { counts, reach };
             clear.spread();
             let place = |n: usize| [n % nx, n / nx % ny, n / nx / ny];
             for n in 0..seen.len() {
@@ -110,6 +210,42 @@ mod tests {
                 let nearest = (0..seen.len()).filter(|&m| seen[m]).map(away).min();
                 let expected = nearest.map_or(u8::MAX, |away| away as u8);
                 assert_eq!(clear.reach[n], expected, "{:?}", place(n));
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_is_clear_if_no_value_from_its_least_sample_to_its_greatest_is_seen() {
+        let point = |value: f64, rgba: &str| ControlPoint::new(value, rgba.parse().unwrap());
+        let band =
+            [point(100.0, "#ffffff00"), point(110.0, "#ffffff80"), point(120.0, "#ffffff00")];
+        let band = TransferFunction::new(band.into()).unwrap();
+        let lookup = Lookup::new(&band, 1.0);
+        let mut chance = chance();
+        for dims in [[2, 2, 2], [65, 9, 17], [66, 10, 3], [130, 5, 18], [64, 4, 30]] {
+            let grid = Grid::new(dims, Default::default()).unwrap();
+            let mut sample =
+                |_| if chance(80) == 0 { 255 } else { 7 + 80 * (chance(60) == 0) as u8 };
+            let volume: Volume<u8> =
+                Volume::new(grid, (0..grid.count()).map(&mut sample).collect()).unwrap();
+            let (view, job) = (volume.view(), Job::default());
+            let bricks = Bricks::of(&view, &job).unwrap();
+            let clear = Clear::new(&view, &bricks, &lookup, &job).unwrap();
+            let [nx, ny, nz] = clear.counts;
+            for n in 0..nx * ny * nz {
+                let block = [n % nx, n / nx % ny, n / nx / ny];
+                let along = |axis: usize| {
+                    let first = block[axis] * CELLS;
+                    first..=(first + CELLS).min(view.dims()[axis] - 1)
+                };
+                let (mut least, mut greatest) = (u8::MAX, 0);
+                for (k, j) in along(2).flat_map(|k| along(1).map(move |j| (k, j))) {
+                    for sample in along(0).map(|i| view.stored([i, j, k])) {
+                        (least, greatest) = (least.min(sample), greatest.max(sample));
+                    }
+                }
+                let is_seen = least < 120 && greatest > 100;
+                assert_eq!(clear.reach[n] == 0, is_seen, "{block:?}: {least} to {greatest}");
             }
         }
     }

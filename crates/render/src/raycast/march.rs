@@ -1,17 +1,29 @@
-//! One ray, step by step.
+//! Rays side by side, step by step.
+//!
+//! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
+//! place.
 
 use super::{Cast, MOST_STEPS, Medium, RaycastOptions, leap::Clear};
-use crate::{Gathered, Light, Ray, Trilinear, transfer::Lookup, trilinear::LANES};
-use isokit_geom::{HalfSpace, vector::dot};
+use crate::{Gathered, Light, Ray, Trilinear, transfer::Lookup};
+use isokit_geom::{
+    HalfSpace,
+    vector::{Vector, dot, length},
+};
+use isokit_lanes::{Between, Blocks, Facing, Found, LINES, Lines};
 use isokit_volume::Sample;
 
 /// All that rays have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct March<'a, T> {
     field: Trilinear<'a, T>,
+    /// None where no ray has a way through: there are no cells.
+    between: Option<Between<'a, T>>,
+    /// What takes a gradient in index space to the direction that it has in the world.
+    covectors: [[f32; 3]; 3],
     clips: &'a [HalfSpace],
     lookup: &'a Lookup<'a>,
-    clear: Option<&'a Clear>,
+    /// Where nothing can be seen: as it is, and for leaps.
+    clear: Option<(&'a Clear, Blocks<'a>)>,
     /// The length of a step in world units.
     step: f64,
     light: Option<Light>,
@@ -20,14 +32,34 @@ pub(super) struct March<'a, T> {
 
 /// The way of a ray through a volume: from the first number of steps to the last, where the last may be no whole
 /// one.
+#[derive(Clone, Copy, Debug, Default)]
 struct Way {
     /// Where it begins, and how far one step leads, in index space.
     start: [f64; 3],
     step: [f64; 3],
-    /// How many steps a sample's distance is, along each axis.
-    pace: [f64; 3],
     /// How many steps it is long.
     steps: f64,
+    /// Where it leads in the world.
+    towards: Vector,
+}
+
+/// Rays side by side.
+#[derive(Default)]
+struct Front {
+    lines: Lines,
+    /// How many steps it is to the middle of the next step of each.
+    steps: [f64; LINES],
+    /// How many whole steps each has.
+    whole: [f64; LINES],
+    /// How many steps a cell is long on each, along x, y, z: without end where it does not move.
+    pace: [[f64; LINES]; 3],
+    facing: Facing,
+    gathered: [Gathered; LINES],
+    ways: [Way; LINES],
+    /// The number of its pixel.
+    pixels: [usize; LINES],
+    /// The bits of those that are on their way.
+    live: u16,
 }
 
 impl<'a, T: Sample> March<'a, T> {
@@ -39,65 +71,154 @@ impl<'a, T: Sample> March<'a, T> {
     ) -> Self {
         let (field, clips) = (Trilinear::new(*medium.view), medium.clips);
         let RaycastOptions { light, opaque, .. } = *options;
-        Self { field, clips, lookup, clear, step, light, opaque }
+        let clear = clear.and_then(|clear| Some((clear, clear.blocks()?)));
+        let between = medium.view.samples().and_then(Between::new);
+        let columns = [0, 1, 2].map(|axis| field.across(axis));
+        let greatest = columns.as_flattened().iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+        let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
+        Self { field, between, covectors, clips, lookup, clear, step, light, opaque }
     }
 
-    /// What a ray gathers.
-    pub(super) fn along(&self, ray: &Ray, done: &mut Cast) -> Gathered {
-        let mut gathered = Gathered::NOTHING;
-        let Some(way) = self.way(ray) else { return gathered };
-        let (whole, count) = (way.steps.floor() as u64, way.steps.ceil() as u64);
-        let mut values = [0.0; LANES];
-        let mut n = 0;
-        while n < count {
-            let until = match self.clear {
-                None => count,
-                Some(clear) => {
-                    let (around, is_clear) = clear.around(self.field.cell(way.middle(n)).0);
-                    let next = way.leaving(around).clamp((n + 1) as f64, count as f64) as u64;
-                    if is_clear {
-                        done.steps_leapt += next - n;
-                        n = next;
-                        continue;
-                    }
-                    next
+    /// What rays gather, each with the number of its pixel.
+    pub(super) fn along(
+        &self,
+        mut rays: impl Iterator<Item = (usize, Ray)>,
+        pixels: &mut [Gathered],
+        done: &mut Cast,
+    ) {
+        let Some(between) = &self.between else { return };
+        let mut front = Front::default();
+        front.facing.covectors = self.covectors;
+        let (table, mut found) = (self.lookup.table(self.field.scale()), Found::default());
+        let mut due = u16::MAX;
+        loop {
+            while due != 0 {
+                let n = due.trailing_zeros() as usize;
+                due &= due - 1;
+                if front.live >> n & 1 == 1 {
+                    self.end(&mut front, n, done);
+                    pixels[front.pixels[n]] = front.gathered[n];
                 }
-            };
-            // Whole steps, several at a time.
-            while n < until.min(whole) {
-                self.field.values(way.start, way.step, n as f64 + 0.5, &mut values);
-                let most = (until.min(whole) - n).min(LANES as u64) as usize;
-                for &value in &values[..most] {
-                    done.steps += 1;
-                    // What is NaN hides nothing.
-                    let seen = if value.is_nan() { [0.0; 4] } else { self.lookup.at(value) };
-                    if seen[3] > 0.0 {
-                        gathered = gathered.over(self.lit(seen, way.middle(n), ray));
-                        if gathered.opacity >= self.opaque {
-                            done.steps_hidden += count - n - 1;
-                            return gathered;
-                        }
-                    }
-                    n += 1;
-                }
+                front
+                    .next(n, rays.by_ref().find_map(|(pixel, ray)| Some((pixel, self.way(&ray)?))));
             }
-            // The last step may be a part of one.
-            if n == whole && n < until {
+            if front.live == 0 {
+                return;
+            }
+            let ready = self.leap(&mut front, done);
+            due = 0;
+            if ready != 0 {
+                let places = (&front.lines, &front.steps);
+                let facing = self.light.is_some().then_some(&front.facing);
+                between.look(places, ready, &table, facing, &mut found);
+                done.steps += u64::from(ready.count_ones());
+                due = if found.seen == 0 { 0 } else { self.gather(&found, &mut front) };
+            }
+            for n in 0..LINES {
+                front.steps[n] += f64::from(ready >> n & 1);
+                due |= u16::from(front.steps[n] > front.whole[n]) << n;
+            }
+            due &= front.live;
+        }
+    }
+
+    /// Leads rays to steps of which something may be seen; the bits of those that are there.
+    #[inline(always)]
+    fn leap(&self, front: &mut Front, done: &mut Cast) -> u16 {
+        /// With so many there the others wait for nobody: they go on while those are looked at.
+        const ENOUGH: u32 = 12;
+        let on_their_way = |front: &Front| {
+            let mut bits = 0;
+            for n in 0..LINES {
+                bits |= u16::from(front.steps[n] < front.whole[n]) << n;
+            }
+            bits & front.live
+        };
+        let mut going = on_their_way(front);
+        let Some((_, blocks)) = &self.clear else { return going };
+        let (before, mut ready) = (front.steps, 0_u16);
+        while going != 0 && ready.count_ones() < ENOUGH {
+            let Front { lines, pace, whole, steps, .. } = &mut *front;
+            ready |= blocks.leap(lines, pace, whole, going, steps);
+            going = on_their_way(front) & !ready;
+        }
+        let leapt = |n: usize| front.steps[n] - before[n];
+        done.steps_leapt += (0..LINES).map(leapt).sum::<f64>() as u64;
+        ready
+    }
+
+    /// Adds the last step of a ray, if it is a part of one and not hidden, and something may be seen of it.
+    fn end(&self, front: &mut Front, n: usize, done: &mut Cast) {
+        let (way, at) = (&front.ways[n], front.steps[n] - 0.5);
+        let left = way.steps.ceil() - at;
+        if front.gathered[n].opacity >= self.opaque {
+            done.steps_hidden += left as u64;
+        } else if left > 0.0 {
+            let place = way.at(0.5 * (way.steps.floor() + way.steps));
+            if self.clear.is_some_and(|(clear, _)| clear.is_clear(place)) {
+                done.steps_leapt += 1;
+            } else {
                 done.steps += 1;
-                let place = way.middle(n);
-                let (cell, part) = self.field.cell(place);
-                let value = self.field.value(cell, part);
-                let seen = match value.is_nan() {
-                    true => [0.0; 4],
-                    false => self.lookup.over(value.into(), way.steps - whole as f64),
-                };
-                if seen[3] > 0.0 {
-                    gathered = gathered.over(self.lit(seen, place, ray));
-                }
-                n += 1;
+                let last = self.last(way, place);
+                front.gathered[n] = front.gathered[n].over(last);
             }
         }
-        gathered
+    }
+
+    /// What is seen in the last step, which is a part of one.
+    #[inline(never)]
+    fn last(&self, way: &Way, place: [f64; 3]) -> Gathered {
+        let value = self.field.at_index(place);
+        if value.is_nan() {
+            return Gathered::NOTHING;
+        }
+        let [r, g, b, opacity] = self.lookup.over(value, way.steps.fract());
+        let dark = Gathered { color: [r, g, b], opacity };
+        match &self.light {
+            Some(light) if opacity > 0.0 => {
+                dark.lit(light.answer(self.field.gradient(place), way.towards))
+            }
+            _ => dark,
+        }
+    }
+
+    /// Adds what is seen in the next step of each ray; the bits of those that are as good as opaque then.
+    #[inline(always)]
+    fn gather(&self, found: &Found, front: &mut Front) -> u16 {
+        let shades = self.light.map(|light| self.shades(&light, found, front));
+        let (mut left, mut opaque) = (found.seen, 0);
+        while left != 0 {
+            let n = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let look =
+                self.lookup.in_part(found.parts[n] as usize, found.shares[n], found.values[n]);
+            let [r, g, b, opacity] = look;
+            let dark = Gathered { color: [r, g, b], opacity };
+            let lit = match &shades {
+                Some([matt, gloss]) => dark.lit([matt[n], gloss[n]]),
+                None => dark,
+            };
+            let gathered = front.gathered[n].over(lit);
+            front.gathered[n] = gathered;
+            opaque |= u16::from(gathered.opacity >= self.opaque) << n;
+        }
+        opaque
+    }
+
+    /// How gradients answer the light, matt and in gloss. Of steps in which nothing is seen anything.
+    #[inline(always)]
+    fn shades(&self, light: &Light, found: &Found, front: &Front) -> [[f32; LINES]; 2] {
+        let mut shades = light.shares(found.cosines);
+        let mut odd = found.odd;
+        while odd != 0 {
+            let n = odd.trailing_zeros() as usize;
+            odd &= odd - 1;
+            let way = &front.ways[n];
+            let gradient = self.field.gradient(way.at(front.steps[n]));
+            let [matt, gloss] = light.answer(gradient, way.towards);
+            (shades[0][n], shades[1][n]) = (matt, gloss);
+        }
+        shades
     }
 
     /// Where a ray goes through what is kept of the box from the first sample to the last.
@@ -122,43 +243,36 @@ impl<'a, T: Sample> March<'a, T> {
         (steps > 0.0 && steps <= 2.0 * MOST_STEPS).then(|| Way {
             start: std::array::from_fn(|k| origin[k] + near * direction[k]),
             step,
-            pace: step.map(f64::recip),
             steps,
+            towards: ray.direction,
         })
     }
+}
 
-    /// What is seen at a place, under the light.
-    #[inline(always)]
-    fn lit(&self, [r, g, b, opacity]: [f32; 4], place: [f64; 3], ray: &Ray) -> Gathered {
-        let Some(light) = &self.light else { return Gathered { color: [r, g, b], opacity } };
-        let straight = [r, g, b].map(|part| part / opacity);
-        let shaded = light.shade(straight, self.field.gradient(place), ray.direction);
-        Gathered::new(shaded, opacity)
+impl Front {
+    /// Puts the next ray at the beginning of its way, if there is one.
+    fn next(&mut self, n: usize, next: Option<(usize, Way)>) {
+        self.live &= !(1 << n);
+        let Some((pixel, way)) = next else { return };
+        self.live |= 1 << n;
+        let long = length(way.towards);
+        for k in 0..3 {
+            self.lines.start[k][n] = way.start[k];
+            self.lines.step[k][n] = way.step[k];
+            // Upwards where it does not move: there it does not leave.
+            let is_still = way.step[k] == 0.0;
+            self.pace[k][n] = if is_still { f64::INFINITY } else { way.step[k].recip() };
+            self.facing.towards[k][n] = (way.towards[k] / long) as f32;
+        }
+        (self.steps[n], self.whole[n]) = (0.5, way.steps.floor());
+        (self.ways[n], self.pixels[n], self.gathered[n]) = (way, pixel, Gathered::NOTHING);
     }
 }
 
 impl Way {
-    /// The middle of a step; that of the last, which may be a part of one, is nearer.
+    /// The place after so many steps.
     #[inline(always)]
-    fn middle(&self, n: u64) -> [f64; 3] {
-        let (n, whole) = (n as f64, self.steps.floor());
-        let middle = if n < whole { n + 0.5 } else { 0.5 * (whole + self.steps) };
-        std::array::from_fn(|k| self.start[k] + middle * self.step[k])
-    }
-
-    /// The first step whose middle may be beyond a box that the way is in.
-    #[inline(always)]
-    fn leaving(&self, around: [[f64; 2]; 3]) -> f64 {
-        let mut far = self.steps;
-        for (k, ends) in around.into_iter().enumerate() {
-            // Along an axis on which it does not move it does not leave.
-            let leaves = match self.step[k] {
-                0.0 => f64::INFINITY,
-                step => (ends[usize::from(step > 0.0)] - self.start[k]) * self.pace[k],
-            };
-            far = if leaves < far { leaves } else { far };
-        }
-        // Rounded down: the middle of that step may still be in the box, and no other is passed over.
-        (far - 0.5).floor()
+    fn at(&self, steps: f64) -> [f64; 3] {
+        std::array::from_fn(|k| self.start[k] + steps * self.step[k])
     }
 }
