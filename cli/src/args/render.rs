@@ -82,7 +82,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, conflicts_with = "fov", help_heading = "Camera")]
     pub(crate) parallel: bool,
     /// Make N pictures on the way around it, FILE_001.png and so on
-    #[arg(long, value_name = "N", value_parser = values::count, help_heading = "Camera")]
+    #[arg(long, value_name = "N", value_parser = values::frames, help_heading = "Camera")]
     pub(crate) frames: Option<NonZeroUsize>,
     /// Pixels [default: 1024x1024]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = values::size, help_heading = "Picture")]
@@ -90,9 +90,9 @@ pub(crate) struct RenderArgs {
     /// What is behind everything: #rrggbb or transparent [default: #ffffff]
     #[arg(long, value_name = "COLOR", help_heading = "Picture")]
     pub(crate) background: Option<Ground>,
-    /// Points of each pixel at which surfaces are looked at
-    #[arg(long, value_enum, default_value_t, value_name = "N", help_heading = "Picture")]
-    pub(crate) smoothing: SmoothingArg,
+    /// Points of each pixel at which surfaces are looked at [default: 4]
+    #[arg(long, value_enum, value_name = "N", help_heading = "Picture")]
+    pub(crate) smoothing: Option<SmoothingArg>,
     /// Bits of each part of a colour
     #[arg(long, value_enum, default_value_t, value_name = "N", help_heading = "Picture")]
     pub(crate) bits: BitsArg,

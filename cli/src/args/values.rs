@@ -130,6 +130,13 @@ pub(crate) fn angle(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected degrees, found {text:?}"))
 }
 
+/// How many pictures are made on the way around.
+pub(crate) fn frames(text: &str) -> Result<NonZeroUsize, String> {
+    const MOST: usize = 100_000;
+    let number = text.parse().ok().filter(|number: &NonZeroUsize| number.get() <= MOST);
+    number.ok_or_else(|| format!("expected a number of pictures from 1 to {MOST}, found {text:?}"))
+}
+
 /// The angle of a perspective.
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && *number < 180.0);

@@ -42,7 +42,8 @@ struct Seen {
     /// One for each surface of the scene, once they are made.
     meshes: Vec<TriMesh>,
     around: (Aabb, Space),
-    input: RenderInput,
+    /// For the report, if one is wanted.
+    input: Option<RenderInput>,
 }
 
 /// Makes the pictures; the report comes back as text, or what would be done.
@@ -52,9 +53,12 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let is_plan = plan.targets.is_empty();
     let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
     let mut skipped = RenderSkipped::default();
-    let shows_surfaces = plan.mode != ModeWord::Raycast;
-    if let (Some(scan), true, true) = (&seen.scan, shows_surfaces, wants_needs) {
-        skipped = RenderSkipped::of(&seen.scene.needs(scan, &session.job)?);
+    if let (Some(scan), true) = (&seen.scan, wants_needs) {
+        let needs = match plan.mode {
+            ModeWord::Raycast => seen.scene.needs_of_rays(scan, &session.job)?,
+            _ => seen.scene.needs(scan, &session.job)?,
+        };
+        skipped = RenderSkipped::of(&needs);
     }
     if !is_plan {
         if let (Some(scan), ModeWord::Surfaces) = (&seen.scan, plan.mode) {
@@ -68,7 +72,8 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     if is_plan && plan.report.is_none() {
         return Ok(plan_lines(plan, &seen, &skipped));
     }
-    tell(&skipped, &timings, session);
+    tell(plan.mode, &skipped, &timings, session);
+    let Some(input) = seen.input else { return Ok(String::new()) };
     let outputs = plan.targets.iter().filter_map(|target| match target {
         Stream::File(path) => Some(path.clone()),
         Stream::Stdout => None,
@@ -81,7 +86,7 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
         skipped,
         timings_s: timings,
         threads: session.job.threads.count(),
-        ..RenderReport::new(&session.command, seen.input)
+        ..RenderReport::new(&session.command, input)
     };
     Ok(to_json(&report)?)
 }
@@ -111,8 +116,14 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
                 }
                 TransferPlan::Preset(_) => None,
             };
-            let statistics = scan.statistics(&session.job)?;
-            let input = RenderInput::Volume(Box::new(VolumeFacts::of(path, &scan, &statistics)));
+            let input = match plan.report {
+                None => None,
+                Some(_) => {
+                    let statistics = scan.statistics(&session.job)?;
+                    let facts = VolumeFacts::of(path, &scan, &statistics);
+                    Some(RenderInput::Volume(Box::new(facts)))
+                }
+            };
             let around = scan.around();
             Ok(Seen { scene, scan: Some(scan), meshes: vec![], around, input })
         }
@@ -129,7 +140,7 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
             // A picture of nothing has a camera too.
             let bounds = Aabb { min: [0.0; 3], max: [1.0; 3] };
             let path = path.display().to_string();
-            let (around, input) = ((bounds, input.space), RenderInput::Mesh { path });
+            let (around, input) = ((bounds, input.space), Some(RenderInput::Mesh { path }));
             Ok(Seen { scene, scan: None, meshes, around, input })
         }
     }
@@ -219,8 +230,13 @@ fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {
 }
 
 /// Says what was computed, and what not.
-fn tell(skipped: &RenderSkipped, timings: &RenderTimings, session: &Session<'_, '_>) {
-    skipped_lines(skipped).iter().for_each(|line| session.console.detail(line));
+fn tell(
+    mode: ModeWord,
+    skipped: &RenderSkipped,
+    timings: &RenderTimings,
+    session: &Session<'_, '_>,
+) {
+    skipped_lines(mode, skipped).iter().for_each(|line| session.console.detail(line));
     let RenderTimings { read, extract, render, write, total } = timings;
     session.console.detail(&format!(
         "read {read:.3} s, extract {extract:.3} s, render {render:.3} s, write {write:.3} s, \
@@ -234,8 +250,8 @@ fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String
     let [width, height] = [plan.size.width, plan.size.height];
     let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
     if plan.mode != ModeWord::Raycast {
-        for look in &seen.scene.surfaces {
-            let why = skipped.surfaces.iter().find(|skipped| skipped.name == look.name);
+        for (n, look) in seen.scene.surfaces.iter().enumerate() {
+            let why = skipped.surfaces.iter().find(|skipped| skipped.number == n);
             let what = match (why, look.iso) {
                 (Some(why), _) => format!("not made: {}", why.why),
                 (None, Some(iso)) if plan.mode == ModeWord::IsoRaycast => {
@@ -246,23 +262,29 @@ fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String
             };
             lines.push(format!("  {}: {what}", look.name));
         }
-        lines.push("not computed: attributes and vertex colours, which no picture shows".into());
     } else if !seen.scene.surfaces.is_empty() {
-        lines.push("not computed: surfaces, which rays do not show".into());
+        lines.push("not computed: surfaces and caps, which rays through values do not show".into());
     }
-    lines.extend(skipped_lines(skipped));
+    lines.extend(skipped_lines(plan.mode, skipped));
     lines.join("\n") + "\n"
 }
 
 /// What is not computed, a sentence each.
-fn skipped_lines(skipped: &RenderSkipped) -> Vec<String> {
+fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
     let of = |part: u64, all: u64, what: &str| {
         (all > 0).then(|| format!("skipped {} of {} {what}", grouped(part), grouped(all)))
     };
     let triangles = skipped.triangles + skipped.triangles_skipped;
     let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
     [
-        of(skipped.bricks_skipped, skipped.bricks, "bricks, through which no surface goes"),
+        (skipped.bricks > 0).then(|| {
+            let what = match mode {
+                ModeWord::Raycast => "nothing that can be seen",
+                _ => "no surface that can be seen",
+            };
+            let [part, all] = [skipped.bricks_skipped, skipped.bricks].map(grouped);
+            format!("{part} of {all} bricks hold {what}")
+        }),
         of(skipped.samples_skipped, skipped.samples, "samples, which planes cut away"),
         of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
         of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),

@@ -91,6 +91,7 @@ impl RenderPlan {
         let mode = args.mode.or(file.output.mode).unwrap_or(default);
         check_subject(&subject, mode, &surfaces)?;
         let clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
+        check_use(&args, mode, &clips)?;
         let viewpoint = viewpoint(&args, &file.camera)?;
         let [width, height] = file.output.size.unwrap_or(SIZE);
         let sides = NonZeroU32::new(width).zip(NonZeroU32::new(height));
@@ -110,7 +111,9 @@ impl RenderPlan {
             clips,
             transfer,
             viewpoints: around(viewpoint, args.frames.map_or(1, usize::from))?,
-            raster: RasterOptions::DEFAULT.with_light(light).with_smoothing(args.smoothing.into()),
+            raster: RasterOptions::DEFAULT
+                .with_light(light)
+                .with_smoothing(args.smoothing.unwrap_or_default().into()),
             raycast: RaycastOptions::DEFAULT.with_light(light).with_step(step).with_unit(unit),
             size,
             background: background(args.background.or(file.output.background)),
@@ -124,10 +127,18 @@ impl RenderPlan {
 /// What is looked at: what the scene names, or what was typed.
 fn subject(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject, UsageError> {
     let Some(file) = file else {
-        return Ok(match mesh_format(&args.input) {
-            Some(_) => Subject::Mesh(args.input.clone()),
-            None => Subject::Volume(args.input.clone(), args.volume.options()),
-        });
+        let options = args.volume.options();
+        let VolumeOptions { volume_index, raw, spacing, origin, .. } = &options;
+        let describes =
+            volume_index.is_some() || raw.is_some() || spacing.is_some() || origin.is_some();
+        return match mesh_format(&args.input) {
+            Some(_) if describes => {
+                let says = "a mesh has no samples: leave out what describes those of a volume";
+                Err(UsageError(says.into()))
+            }
+            Some(_) => Ok(Subject::Mesh(args.input.clone())),
+            None => Ok(Subject::Volume(args.input.clone(), options)),
+        };
     };
     let Some(volume) = &file.volume else {
         let says = "the scene names no volume: [volume] with path = \"…\" does";
@@ -150,6 +161,20 @@ fn check_subject(
         (Subject::Volume(..), ModeWord::Surfaces | ModeWord::IsoRaycast) if surfaces.is_empty() => {
             "no surface is named: give --iso, or [[surface]] in the scene"
         }
+        _ => return Ok(()),
+    };
+    Err(UsageError(says.into()))
+}
+
+/// That what was typed is of use for what is shown.
+fn check_use(args: &RenderArgs, mode: ModeWord, clips: &[Clip]) -> Result<(), UsageError> {
+    let is_raycast = mode == ModeWord::Raycast;
+    let shows_values = is_raycast || clips.iter().any(|clip| clip.cap == CapStyle::Slice);
+    let says = match (args.preset, args.smoothing) {
+        (Some(_), _) if !shows_values => {
+            "--preset is for rays through values, and for slices: add --mode raycast, or leave it out"
+        }
+        (_, Some(_)) if is_raycast => "--smoothing is for surfaces: leave it out",
         _ => return Ok(()),
     };
     Err(UsageError(says.into()))
@@ -250,6 +275,18 @@ fn viewpoint(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, UsageE
         return refuse(
             "fov is for a perspective and height for a parallel projection: leave out one",
         );
+    }
+    match table.projection {
+        Some(ProjectionWord::Perspective) if table.height.is_some() => {
+            return refuse("height is for a parallel projection, not for a perspective");
+        }
+        Some(ProjectionWord::Parallel) if table.fov.is_some() => {
+            return refuse("fov is for a perspective, not for a parallel projection");
+        }
+        _ => {}
+    }
+    if !table.orbit.is_none_or(f64::is_finite) {
+        return refuse("orbit: expected degrees, a finite number");
     }
     if let (Some(from), None) = (table.from, args.view) {
         if table.view.is_some() || table.orbit.is_some() {

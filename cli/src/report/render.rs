@@ -49,7 +49,7 @@ pub(crate) struct DrawnSurface {
 pub(crate) struct RenderSkipped {
     /// Bricks of the volume.
     pub(crate) bricks: u64,
-    /// Those that no surface in the picture goes through.
+    /// Those that hold no surface that can be seen, or nothing that rays can show.
     pub(crate) bricks_skipped: u64,
     pub(crate) samples: u64,
     /// Those that planes cut away from all surfaces.
@@ -77,6 +77,9 @@ pub(crate) struct RenderSkipped {
 /// A surface that was not made.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SkippedSurface {
+    /// Which one of the scene's.
+    #[serde(skip)]
+    pub(crate) number: usize,
     pub(crate) name: String,
     pub(crate) why: String,
 }
@@ -120,16 +123,16 @@ impl RenderReport<'_> {
 impl RenderSkipped {
     /// What is known before anything is drawn.
     pub(crate) fn of(needs: &Needs) -> Self {
-        let skipped = |need: &SurfaceNeed| {
+        let skipped = |(number, need): (usize, &SurfaceNeed)| {
             let why = need.part.as_ref().err()?.to_string();
-            Some(SkippedSurface { name: need.name.clone(), why })
+            Some(SkippedSurface { number, name: need.name.clone(), why })
         };
         Self {
             bricks: needs.bricks,
             bricks_skipped: needs.bricks_skipped,
             samples: needs.samples,
             samples_skipped: needs.samples_skipped,
-            surfaces: needs.surfaces.iter().filter_map(skipped).collect(),
+            surfaces: needs.surfaces.iter().enumerate().filter_map(skipped).collect(),
             ..Self::default()
         }
     }

@@ -109,10 +109,14 @@ fn a_plan_is_told_and_nothing_is_written() {
         "1 picture of 65 x 65, surfaces",
         "wall: extracted at 50, with normals",
         "core: not made: its opacity is 0",
-        "bricks, through which no surface goes",
+        "bricks hold no surface that can be seen",
     ] {
         assert!(ran.text().contains(says), "{says}: {}", ran.text());
     }
+    let ran = folder.done("render s.toml --mode raycast --plan");
+    assert!(ran.text().contains("bricks hold nothing that can be seen"), "{}", ran.text());
+    let ran = folder.done("render ball.nii --iso 50:a --iso 70:a:#ff000000 --plan");
+    assert_eq!(ran.text().matches("not made").count(), 1, "{}", ran.text());
     assert_eq!(folder.names(), ["ball.nii", "s.toml"]);
 }
 
@@ -178,6 +182,12 @@ fn words_that_do_not_fit_together_are_refused() {
         ("render ball.nii --frames 2 -o -", "several pictures do not fit into stdout"),
         ("render ball.nii -o - --report -", "picture and report cannot both go to stdout"),
         ("render ball.nii --size 0x3 -o a.png", "expected WIDTHxHEIGHT"),
+        ("render ball.nii --frames 100001 -o a.png", "from 1 to 100000"),
+        ("render ball.nii --frames 18446744073709551615 --plan", "from 1 to 100000"),
+        ("render ball.nii --smoothing 4 -o a.png", "--smoothing is for surfaces"),
+        ("render ball.nii --iso 50 --preset auto -o a.png", "--preset is for rays"),
+        ("render a.stl --spacing 2,2,2 -o a.png", "a mesh has no samples"),
+        ("render a.stl --preset auto -o a.png", "--preset is for rays"),
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.exit, Exit::Usage, "{line}");
@@ -211,6 +221,35 @@ fn scenes_that_make_no_sense_are_refused_with_their_place() {
             "found both",
         ),
         (&format!("{volume}[camera]\nup = [1, 1, 1]\n"), Exit::Usage, "add from"),
+        (
+            &format!("{volume}[camera]\nfrom = [9, 9, 9]\nprojection = \"parallel\"\n"),
+            Exit::Usage,
+            "needs a height",
+        ),
+        (
+            &format!("{volume}[camera]\nprojection = \"parallel\"\nfov = 5.0\n"),
+            Exit::Usage,
+            "fov is for a perspective",
+        ),
+        (
+            &format!(
+                "{volume}[camera]\nfrom = [9, 9, 9]\nprojection = \"perspective\"\nheight = 5.0\n"
+            ),
+            Exit::Usage,
+            "height is for a parallel projection",
+        ),
+        (
+            &format!("{volume}[camera]\nfrom = [9, 9, 9]\nfov = 5.0\nheight = 5.0\n"),
+            Exit::Usage,
+            "leave out one",
+        ),
+        (&format!("{volume}[camera]\norbit = nan\n"), Exit::Usage, "a finite number"),
+        (
+            &format!("{volume}[transfer]\npreset = \"auto\"\npoints = [[1, \"#ffffff\"]]\n"),
+            Exit::Usage,
+            "either points or a preset",
+        ),
+        (&format!("{volume}[[surface]]\niso = 50\nopacity = 1.5\n"), Exit::Usage, "from 0 to 1"),
         (&format!("{volume}[light]\nambient = 2.0\n"), Exit::Usage, "from 0 to 1"),
         (
             &format!("{volume}[transfer]\npoints = [[1, \"#ffffff\"], [0, \"#ffffff\"]]\n"),

@@ -6,7 +6,8 @@ use crate::vector::{Vector, dot};
 ///
 /// # Guarantees
 ///
-/// All numbers are finite, and the normal is not 0. Its length is as it was given.
+/// All numbers are finite, and the greatest part of the normal is about 1 to 2: what was given is scaled by a power of
+/// two, which changes no digit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
     normal: Vector,
@@ -23,8 +24,14 @@ impl HalfSpace {
     ///
     /// # Errors
     ///
-    /// If a number is not finite, or the normal is 0.
+    /// If a number is not finite, or the normal is 0; or if the plane is farther away than numbers reach.
     pub fn new(normal: Vector, offset: f64) -> Result<Self, PlaneError> {
+        let greatest = normal.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+        // Twice, since half of the way there may be no power of two that is a number.
+        let power = -greatest.log2().floor() as i32;
+        let (half, rest) = (power / 2, power - power / 2);
+        let scaled = |number: f64| number * 2.0_f64.powi(half) * 2.0_f64.powi(rest);
+        let (normal, offset) = (normal.map(scaled), scaled(offset));
         let are_finite = normal.iter().chain([&offset]).all(|number| number.is_finite());
         match are_finite && normal != [0.0; 3] {
             true => Ok(Self { normal, offset }),
@@ -64,7 +71,18 @@ mod tests {
         let half = HalfSpace::new([2.0, 0.0, 0.0], 6.0).unwrap();
         assert!(half.keeps([3.0, 1e9, -1e9]) && half.keeps([-1e300, 0.0, 0.0]));
         assert!(!half.keeps([3.0_f64.next_up(), 0.0, 0.0]) && !half.keeps([f64::NAN, 0.0, 0.0]));
-        assert_eq!(half.beyond([4.0, 7.0, 7.0]), 2.0);
+        assert_eq!(half.beyond([4.0, 7.0, 7.0]), 1.0);
+    }
+
+    #[test]
+    fn planes_of_any_size_of_numbers_are_the_same_plane() {
+        let plain = HalfSpace::new([1.5, -0.25, 0.0], 3.0).unwrap();
+        for power in [-1000, -3, 0, 5, 1000] {
+            let scale = 2.0_f64.powi(power);
+            let (normal, offset) = ([1.5 * scale, -0.25 * scale, 0.0], 3.0 * scale);
+            assert_eq!(HalfSpace::new(normal, offset), Ok(plain), "{power}");
+        }
+        assert_eq!(HalfSpace::new([1e-300, 0.0, 0.0], 1e300), Err(PlaneError));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! | step | function |
 //! | --- | --- |
-//! | know what is computed, and what not | [`Scene::needs`] |
+//! | know what is computed, and what not | [`Scene::needs`], [`Scene::needs_of_rays`] |
 //! | make the surfaces that can be seen | [`Scene::meshes`] |
 //! | draw them, cut and capped | [`Scene::draw`] |
 //! | or trace rays to them, without a mesh | [`Scene::trace`] |
@@ -92,7 +92,8 @@ pub enum CapStyle {
 /// From where something is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Viewpoint {
-    /// From a side, with all of it in the picture.
+    /// From a side, with all of it in the picture: what planes leave of surfaces that are drawn as meshes, and the whole
+    /// box of what rays go through.
     Framed {
         /// The side; in a world whose axes nobody knows, as if x pointed right, y forward and z up.
         side: Side,
@@ -226,7 +227,8 @@ impl Scene {
         }
     }
 
-    /// The picture of a scan's surfaces, without meshes of them.
+    /// The picture of a scan's surfaces, without meshes of them. From a side the whole scan is in the picture. Those of
+    /// which planes leave nothing are not looked for.
     ///
     /// # Errors
     ///
@@ -238,6 +240,7 @@ impl Scene {
             self.surfaces.iter().map(|look| self.halves(look)).collect();
         let looks = self.surfaces.iter().zip(&clips).filter_map(|(look, clips)| {
             let (paint, opacity) = (Paint::Plain(look.color), look.opacity);
+            self.part_of(look, scan).ok()?;
             Some(Isosurface { iso: look.iso?, paint, opacity, clips })
         });
         let surfaces: Vec<_> = looks.collect();
@@ -253,16 +256,17 @@ impl Scene {
         })
     }
 
-    /// The picture of a scan's values.
+    /// The picture of a scan's values. From a side the whole scan is in the picture; planes for surfaces alone, and caps,
+    /// are not shown.
     ///
     /// # Errors
     ///
-    /// If there is no transfer function; if the camera sees nothing; or as [`raycast`].
+    /// If a plane names a surface that is not there; if there is no transfer function; if the camera sees nothing; or as [`raycast`].
     pub fn cast(&self, scan: &Scan, size: Size, job: &Job) -> Result<(Image, Cast), SceneError> {
+        self.check_names()?;
         let transfer = self.transfer.as_ref().ok_or(SceneError::NoTransfer)?;
         let camera = self.viewpoint.camera(scan.around(), size)?;
-        let clips = self.clips.iter().filter(|clip| clip.surfaces.is_none());
-        let clips: Vec<HalfSpace> = clips.map(|clip| clip.half).collect();
+        let clips: Vec<HalfSpace> = self.cuts_of_all().collect();
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
             let bricks = Bricks::of(&view, job)?;
@@ -271,18 +275,25 @@ impl Scene {
         })
     }
 
-    /// The box around what planes leave of the surfaces that can be seen, if it is one.
+    /// The box around the vertices that planes leave of the surfaces that can be seen, if it is more than a point.
     fn visible(&self, meshes: &[TriMesh]) -> Option<Aabb> {
         let seen = self.surfaces.iter().zip(meshes).filter(|(look, _)| look.opacity > 0.0);
         let places = seen.flat_map(|(look, mesh)| {
             let halves = self.halves(look);
-            let is_kept = move |place: &Vector| halves.iter().all(|half| half.keeps(*place));
+            let is_kept = move |place: &Vector| {
+                place.iter().all(|c| c.is_finite()) && halves.iter().all(|half| half.keeps(*place))
+            };
             mesh.positions.iter().filter(is_kept)
         });
         let found = Aabb::around(places)?;
-        let is_wide =
-            |k: usize| found.max[k] > found.min[k] && (found.max[k] - found.min[k]).is_finite();
-        (0..3).all(is_wide).then_some(found)
+        let extents = [0, 1, 2].map(|k| found.max[k] - found.min[k]);
+        let is_wide = extents.iter().all(|extent| extent.is_finite()) && extents != [0.0; 3];
+        is_wide.then_some(found)
+    }
+
+    /// The planes that cut all surfaces, and rays.
+    fn cuts_of_all(&self) -> impl Iterator<Item = HalfSpace> {
+        self.clips.iter().filter(|clip| clip.surfaces.is_none()).map(|clip| clip.half)
     }
 
     /// The planes that cut a surface.
@@ -304,9 +315,9 @@ impl Scene {
     }
 
     fn check_names(&self) -> Result<(), SceneError> {
-        let known = |name: &&String| !self.surfaces.iter().any(|look| look.name == **name);
+        let is_unknown = |name: &&String| !self.surfaces.iter().any(|look| look.name == **name);
         let mut named = self.clips.iter().filter_map(|clip| clip.surfaces.as_ref()).flatten();
-        named.find(known).map_or(Ok(()), |name| Err(SceneError::UnknownSurface(name.clone())))
+        named.find(is_unknown).map_or(Ok(()), |name| Err(SceneError::UnknownSurface(name.clone())))
     }
 }
 

@@ -141,10 +141,10 @@ impl<'a, T: Lane> Between<'a, T> {
             return 0;
         }
         let (mut are_inner, less) = (wide.mask(u16::MAX), wide.u32(1_u32.wrapping_neg()));
-        for k in 0..3 {
+        for (low, n) in cells.low.into_iter().zip(dims) {
             // A cell 0 wraps, and is beyond all of them.
-            let inner = wide.u32(dims[k].saturating_sub(3));
-            are_inner = are_inner & wide.less(cells.low[k] + less, inner);
+            let inner = wide.u32(n.saturating_sub(3));
+            are_inner = are_inner & wide.less(low + less, inner);
         }
         are_inner.bits()
     }

@@ -87,7 +87,7 @@ pub fn isocast<T: Sample>(
     let width = size.width.get() as usize;
     job.progress.begin("render", u64::from(size.height.get()));
     let seen: Vec<_> =
-        scene.surfaces.iter().copied().filter(|surface| surface.opacity > 0.0).collect();
+        scene.surfaces.iter().copied().filter(|surface| surface.opacity > 0.0).collect(); // not NaN
     let bricks = scene.bricks.filter(|bricks| bricks.grid().dims() == scene.view.dims());
     let threshold = |surface: &Isosurface<'_>| scene.view.scaling().threshold(surface.iso);
     let sides: Option<Vec<Sides>> =

@@ -126,13 +126,13 @@ impl Default for RasterOptions {
 /// What was computed for a picture, and what was not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
-    /// Triangles that are in the picture, those behind others too.
+    /// Triangles in the tiles of the picture, those behind others too.
     pub triangles: u64,
     /// Triangles beside the picture, cut away, as thin as a line, or of surfaces that cannot be seen.
     pub triangles_skipped: u64,
     /// How often a triangle was lit in a pixel.
     pub lit: u64,
-    /// Points of translucent triangles that lie behind what is as good as opaque.
+    /// Points of translucent triangles that lie behind what is as good as opaque, in the tiles of the picture.
     pub hidden: u64,
 }
 

@@ -7,7 +7,7 @@
 //!
 //! Two things are not computed, and counted: steps in blocks of which no value can be seen (`leap.rs`), which changes
 //! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
-//! Values are f32 ([`Trilinear`](crate::Trilinear)).
+//! Values are f32: of samples that are i32, u32 or f64 what differs by less than a ten-millionth is one value.
 //!
 //! What it does not do: colours and opacities change linearly within a step only as far as values do. A transfer
 //! function with peaks narrower than the change of value in one step needs shorter steps.

@@ -4,9 +4,10 @@
 //! both change linearly. An opacity is what a ray gathers over a reference length; over any other it is
 //! corrected (`gather.rs`). `Lookup` has a function ready for many values and one length of step.
 
-use crate::{gather::opacity_over, trilinear::Scale};
+use crate::gather::opacity_over;
 use isokit_lanes::Table;
 use isokit_mesh::Rgba;
+use isokit_volume::Scaling;
 
 /// What values look like.
 ///
@@ -111,6 +112,13 @@ impl TransferFunction {
         let color = std::array::from_fn(|n| mix(low.color[n], high.color[n]));
         ControlPoint { value, color, opacity: mix(low.opacity, high.opacity) }
     }
+
+    /// Whether a value from `least` to `greatest` can be seen.
+    pub fn shows_any(&self, [least, greatest]: [f64; 2]) -> bool {
+        let within = self.points.iter().filter(|point| (least..=greatest).contains(&point.value));
+        let ends = [least, greatest].map(|value| self.at(value).opacity);
+        within.map(|point| point.opacity).chain(ends).any(|opacity| opacity > 0.0)
+    }
 }
 
 /// A transfer function made ready for one length of step: colours, multiplied by the opacities of a step, at
@@ -133,6 +141,25 @@ pub(crate) struct Lookup<'a> {
     next_seen: Box<[u16; PARTS]>,
     /// Whether a part is not as good as linear.
     is_bent: Box<[bool; PARTS]>,
+}
+
+/// What a stored sample means, in f32.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    slope: f32,
+    intercept: f32,
+}
+
+impl Scale {
+    pub(crate) fn of(scaling: Scaling) -> Self {
+        Self { slope: scaling.slope() as f32, intercept: scaling.intercept() as f32 }
+    }
+
+    /// The value of a stored sample. Rounding keeps order: it never falls where samples rise, or never rises.
+    #[inline(always)]
+    pub(crate) fn value(self, stored: f32) -> f32 {
+        stored * self.slope + self.intercept
+    }
 }
 
 /// Parts of a lookup: few enough for the second cache.
@@ -274,6 +301,22 @@ mod tests {
         let points = [point(0.0, 0.0, 0.2), point(5.0, 0.0, 0.2), point(5.0, 1.0, 0.9)];
         let step = TransferFunction::new(points.into()).unwrap();
         assert_eq!([4.999, 5.0, 6.0].map(|v| step.at(v).opacity), [0.2, 0.9, 0.9]);
+    }
+
+    #[test]
+    fn a_range_shows_something_if_a_value_in_it_is_seen() {
+        let points = [point(0.0, 0.0, 0.0), point(4.0, 1.0, 0.0), point(5.0, 1.0, 0.8)];
+        let hill = points.into_iter().chain([point(6.0, 1.0, 0.0), point(9.0, 1.0, 0.0)]);
+        let hill = TransferFunction::new(hill.collect()).unwrap();
+        for (range, is_shown) in [
+            ([-5.0, 4.0], false),
+            ([3.0, 4.5], true),
+            ([4.0, 6.0], true),
+            ([5.5, 5.5], true),
+            ([6.0, 20.0], false),
+        ] {
+            assert_eq!(hill.shows_any(range), is_shown, "{range:?}");
+        }
     }
 
     #[test]

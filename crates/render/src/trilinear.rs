@@ -1,44 +1,32 @@
-//! A volume between its samples: trilinear, in f32.
+//! A volume between its samples: trilinear, in f64.
 
 use crate::Ray;
 use isokit_geom::{Affine, vector::Vector};
-use isokit_volume::{Sample, Scaling, View};
+use isokit_volume::{Sample, View};
 
-/// The values of a volume between its samples, in its box from the first sample to the last. Of samples that are i32,
-/// u32 or f64 what differs by less than a ten-millionth is one value.
+/// The values of a volume between its samples, in its box from the first sample to the last. One that is
+/// infinite is taken for NaN by its cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Trilinear<'a, T> {
     view: View<'a, T>,
     affine: Affine,
     /// What takes a gradient in index space to the world, as columns.
     covectors: [[f64; 3]; 3],
-    scale: Scale,
-}
-
-/// What a stored sample means, in f32.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Scale {
-    pub(crate) slope: f32,
-    pub(crate) intercept: f32,
 }
 
 impl<'a, T: Sample> Trilinear<'a, T> {
     /// The values of a volume.
     pub fn new(view: View<'a, T>) -> Self {
         let affine = view.frame().index_to_world;
-        let (covectors, scale) = (affine.covector_columns(), Scale::of(view.scaling()));
-        Self { view, affine, covectors, scale }
+        Self { view, affine, covectors: affine.covector_columns() }
     }
 
-    /// The value at a place of the world. None beyond the box, and none where a sample of the cell is NaN.
+    /// The value at a place of the world. None beyond the box, none where a sample of the cell is NaN, and none in a
+    /// volume of one sample along an axis, which has no cells.
     pub fn at(&self, place: Vector) -> Option<f64> {
-        let ijk = self.affine.inverse_point(place);
-        let within = |k: usize| (0.0..=self.view.dims()[k] as f64 - 1.0).contains(&ijk[k]);
-        if !(0..3).all(within) {
-            return None;
-        }
-        let (cell, part) = self.cell(ijk);
-        Some(f64::from(self.value(cell, part))).filter(|value| !value.is_nan())
+        let (ijk, dims) = (self.affine.inverse_point(place), self.view.dims());
+        let within = |k: usize| dims[k] > 1 && (0.0..=dims[k] as f64 - 1.0).contains(&ijk[k]);
+        (0..3).all(within).then(|| self.at_index(ijk)).filter(|value| !value.is_nan())
     }
 
     /// From where to where a ray is in the box, as distances from where it begins; none beside it. A volume of one
@@ -68,20 +56,19 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         (far > near && far.is_finite()).then_some([near, far])
     }
 
-    /// The value at a place in index space.
+    /// The value at a place in index space: from the least value of the cell's corners to the greatest, whatever is
+    /// rounded.
     pub(crate) fn at_index(&self, place: [f64; 3]) -> f64 {
-        let (cell, part) = self.cell(place);
-        f64::from(self.value(cell, part))
+        let (cell, [x, y, z]) = self.cell(place);
+        let scaling = self.view.scaling();
+        let corners = self.view.cell(cell).map(|sample| scaling.value(sample.to_f64()));
+        let edge = |k: usize| between(corners[k], corners[k + 1], x);
+        between(between(edge(0), edge(2), y), between(edge(4), edge(6), y), z)
     }
 
     /// What points across the border at which the volume ends along an axis.
     pub(crate) fn across(&self, axis: usize) -> Vector {
         self.covectors[axis]
-    }
-
-    /// What stored samples mean.
-    pub(crate) fn scale(&self) -> Scale {
-        self.scale
     }
 
     /// The volume.
@@ -97,24 +84,15 @@ impl<'a, T: Sample> Trilinear<'a, T> {
     /// The cell of a place in index space, and how far in it the place is along each axis, from 0 to 1. Rounding may
     /// lead out of the volume; the nearest cell goes on there.
     #[inline(always)]
-    pub(crate) fn cell(&self, place: [f64; 3]) -> ([usize; 3], [f32; 3]) {
+    fn cell(&self, place: [f64; 3]) -> ([usize; 3], [f64; 3]) {
         let mut part = [0.0; 3];
         let cell = std::array::from_fn(|k| {
             // What is below 0 becomes 0.
             let low = (place[k] as usize).min(self.view.dims()[k].saturating_sub(2));
-            part[k] = ((place[k] - low as f64) as f32).clamp(0.0, 1.0);
+            part[k] = (place[k] - low as f64).clamp(0.0, 1.0);
             low
         });
         (cell, part)
-    }
-
-    /// The value in a cell.
-    #[inline(always)]
-    pub(crate) fn value(&self, cell: [usize; 3], [x, y, z]: [f32; 3]) -> f32 {
-        let corners = self.view.cell(cell).map(|sample| sample.to_f64() as f32);
-        let edge = |k: usize| mix(corners[k], corners[k + 1], x);
-        let stored = mix(mix(edge(0), edge(2), y), mix(edge(4), edge(6), y), z);
-        self.scale.value(stored)
     }
 
     /// The gradient in the world, but for its length, at a place in index space: by central differences of values a
@@ -127,7 +105,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         if (0..3).all(|k| cell[k] >= 1 && cell[k] + 2 < dims[k]) {
             let found = self.within(cell, part);
             if found.iter().all(|part| part.is_finite()) {
-                return self.in_world(found.map(f64::from));
+                return self.in_world(found);
             }
         }
         self.beside(place)
@@ -135,24 +113,24 @@ impl<'a, T: Sample> Trilinear<'a, T> {
 
     /// The same, in index space, where there are samples on all sides.
     #[inline(always)]
-    fn within(&self, cell: [usize; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let row = |j: usize, k: usize| -> [f32; 4] {
+    fn within(&self, cell: [usize; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let row = |j: usize, k: usize| -> [f64; 4] {
             let low = [cell[0] - 1, cell[1] + j - 1, cell[2] + k - 1];
             match self.view.four(low) {
-                Some(four) => four.map(|sample| sample.to_f64() as f32),
-                None => std::array::from_fn(|i| {
-                    self.view.stored([low[0] + i, low[1], low[2]]).to_f64() as f32
-                }),
+                Some(four) => four.map(Sample::to_f64),
+                None => {
+                    std::array::from_fn(|i| self.view.stored([low[0] + i, low[1], low[2]]).to_f64())
+                }
             }
         };
         // By places along y and z; of those on the outer rows only the two in the middle count.
         let rows = [row(1, 1), row(2, 1), row(1, 2), row(2, 2)];
-        let line: [f32; 4] = std::array::from_fn(|i| {
+        let line: [f64; 4] = std::array::from_fn(|i| {
             mix(mix(rows[0][i], rows[1][i], y), mix(rows[2][i], rows[3][i], y), z)
         });
-        let middle = |row: [f32; 4]| mix(row[1], row[2], x);
+        let middle = |row: [f64; 4]| mix(row[1], row[2], x);
         let [a, b, c, d] = rows.map(middle);
-        let rise = |[before, low, high, after]: [f32; 4], share: f32| {
+        let rise = |[before, low, high, after]: [f64; 4], share: f64| {
             mix(high, after, share) - mix(before, low, share)
         };
         let outer = |j: usize, k: usize| middle(row(j, k));
@@ -166,7 +144,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
             rise([outer(2, 0), b, d, outer(2, 3)], z),
             y,
         );
-        [rise(line, x), along_y, along_z].map(|rise| rise * self.scale.slope)
+        [rise(line, x), along_y, along_z].map(|rise| rise * self.view.scaling().slope())
     }
 
     fn in_world(&self, part: Vector) -> Vector {
@@ -184,8 +162,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
             let at = |offset: f64| {
                 let mut there = place;
                 there[k] = (place[k] + offset).clamp(0.0, dims[k] as f64 - 1.0);
-                let (cell, part) = self.cell(there);
-                (f64::from(self.value(cell, part)), there[k])
+                (self.at_index(there), there[k])
             };
             let rise = |(below, low): (f64, f64), (above, high): (f64, f64)| {
                 Some((above - below) / (high - low)).filter(|rise| rise.is_finite())
@@ -200,27 +177,52 @@ impl<'a, T: Sample> Trilinear<'a, T> {
 
 /// Part of the way from one number to another.
 #[inline(always)]
-fn mix(a: f32, b: f32, share: f32) -> f32 {
+fn mix(a: f64, b: f64, share: f64) -> f64 {
     a + (b - a) * share
 }
 
-impl Scale {
-    pub(crate) fn of(scaling: Scaling) -> Self {
-        Self { slope: scaling.slope() as f32, intercept: scaling.intercept() as f32 }
-    }
-
-    /// The value of a stored sample. Rounding keeps order: it never falls where samples rise, or never rises.
-    #[inline(always)]
-    pub(crate) fn value(self, stored: f32) -> f32 {
-        stored * self.slope + self.intercept
-    }
+/// The same, and between them whatever is rounded. Where one is NaN so is what comes out.
+#[inline(always)]
+fn between(a: f64, b: f64, share: f64) -> f64 {
+    mix(a, b, share).max(a.min(b)).min(a.max(b)) + 0.0 * (a - b)
 }
 
 #[cfg(test)]
 mod tests {
     use super::Trilinear;
     use isokit_geom::{Affine, Frame};
-    use isokit_volume::{Grid, Volume};
+    use isokit_volume::{Grid, Scaling, Volume};
+
+    #[test]
+    fn there_is_nothing_between_the_samples_of_one_slice() {
+        let grid = Grid::new([3, 3, 1], Frame::default()).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 9]).unwrap();
+        assert_eq!(Trilinear::new(volume.view()).at([1.0, 1.0, 0.0]), None);
+    }
+
+    #[test]
+    fn a_value_is_never_beyond_those_of_its_corners() {
+        let grid = Grid::new([2; 3], Frame::default()).unwrap();
+        let scaling = Scaling::new(0.1, 0.0).unwrap();
+        let flat = Volume::new(grid, vec![7_i16; 8]).unwrap().with_scaling(scaling);
+        let steep = Volume::new(grid, (0..8).map(|n| [1.0, 1e17][n & 1]).collect::<Vec<f64>>());
+        let steep = steep.unwrap();
+        for n in 0..1000 {
+            let place = [n % 10, n / 10 % 10, n / 100].map(|c| f64::from(c) / 9.0);
+            assert_eq!(Trilinear::new(flat.view()).at(place), Some(scaling.value(7.0)));
+            let found = Trilinear::new(steep.view()).at(place).unwrap();
+            assert!((1.0..=1e17).contains(&found), "{place:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn gradients_keep_what_is_small_beside_a_large_offset() {
+        let grid = Grid::new([5; 3], Frame::default()).unwrap();
+        let value = |n: u64| 1e9 + 0.25 * (n % 5) as f64 - 0.5 * (n / 5 % 5) as f64;
+        let volume = Volume::new(grid, (0..125).map(value).collect::<Vec<f64>>()).unwrap();
+        let found = Trilinear::new(volume.view()).gradient([1.5, 2.25, 1.75]);
+        assert_eq!(found.map(|part| part / found[0]), [1.0, -2.0, 0.0]);
+    }
 
     #[test]
     fn the_value_at_a_place_is_that_of_its_cell_and_there_is_none_beyond() {

@@ -15,7 +15,7 @@ pub struct Needs {
     pub surfaces: Vec<SurfaceNeed>,
     /// Bricks of the scan.
     pub bricks: u64,
-    /// Bricks that no surface that can be seen goes through.
+    /// Bricks that hold no surface that can be seen, or nothing that rays can show.
     pub bricks_skipped: u64,
     /// Samples of the scan.
     pub samples: u64,
@@ -80,7 +80,40 @@ impl Scene {
         Ok(Needs { surfaces, bricks, bricks_skipped, samples: all, samples_skipped })
     }
 
-    /// How many bricks there are, and through how many of them surfaces go.
+    /// What rays through the values of a scan need. Reads the scan once.
+    ///
+    /// # Errors
+    ///
+    /// If a plane names a surface that is not there, if there is no transfer function, or if the job is cancelled.
+    pub fn needs_of_rays(&self, scan: &Scan, job: &Job) -> Result<Needs, SceneError> {
+        self.check_names()?;
+        let transfer = self.transfer.as_ref().ok_or(SceneError::NoTransfer)?;
+        let corner = scan.part().map(|range| range.start);
+        let samples = scan.part().iter().map(|range| range.len() as u64).product();
+        for_any!(scan.volume(), volume => {
+            let view = scan.view(volume);
+            let (bricks, scaling) = (Bricks::of(&view, job)?, view.scaling());
+            let grid = bricks.grid();
+            let is_seen = |brick: &[usize; 3]| {
+                let range = bricks.extents()[grid.number(*brick)].range();
+                let shows = range.is_some_and(|ends| {
+                    let [a, b] = ends.map(|end| scaling.value(end.to_f64()));
+                    transfer.shows_any([a.min(b), a.max(b)])
+                });
+                let ends: [[f64; 2]; 3] = std::array::from_fn(|k| {
+                    let along = grid.samples(k, brick[k]);
+                    [*along.start(), *along.end()].map(|end| (end + corner[k]) as f64)
+                });
+                shows && self.cuts_of_all().all(|half| kept(&half, scan, ends).is_some())
+            };
+            let seen = all_of(grid.counts()).filter(is_seen).count() as u64;
+            let bricks = all_of(grid.counts()).count() as u64;
+            let bricks_skipped = bricks - seen;
+            Ok(Needs { bricks, bricks_skipped, samples, ..Needs::default() })
+        })
+    }
+
+    /// How many bricks there are, and how many of them hold surfaces, or where the volume ends what is inside of one.
     fn bricks<T: Sample>(
         &self,
         needs: &[SurfaceNeed],
@@ -95,8 +128,6 @@ impl Scene {
             Some((view.scaling().threshold::<T>(look.iso?), part))
         });
         let thresholds: Vec<_> = thresholds.collect();
-        let [nx, ny, nz] = grid.counts();
-        let all = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
         let is_active = |brick: &[usize; 3]| {
             thresholds.iter().any(|(threshold, part)| {
                 let is_within = |k: usize| {
@@ -104,12 +135,17 @@ impl Scene {
                     let (first, last) = (samples.start() + corner[k], samples.end() + corner[k]);
                     first < part[k].end && last >= part[k].start
                 };
-                (0..3).all(is_within)
-                    && bricks.extents()[grid.number(*brick)].side(*threshold) == Side::Both
+                let is_last = |k: usize| brick[k] == 0 || brick[k] + 1 == grid.counts()[k];
+                let holds = match bricks.extents()[grid.number(*brick)].side(*threshold) {
+                    Side::Both => true,
+                    Side::Inside => (0..3).any(is_last),
+                    Side::Outside => false,
+                };
+                holds && (0..3).all(is_within)
             })
         };
-        let count = (nx * ny * nz) as u64;
-        Ok((count, all.filter(is_active).count() as u64))
+        let count = all_of(grid.counts()).count() as u64;
+        Ok((count, all_of(grid.counts()).filter(is_active).count() as u64))
     }
 
     /// The samples that a surface needs.
@@ -136,6 +172,11 @@ impl Scene {
             first..last + 1
         }))
     }
+}
+
+/// All bricks.
+fn all_of([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
 }
 
 /// The box, in index space, around what a plane keeps of a box.

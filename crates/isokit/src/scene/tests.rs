@@ -2,14 +2,14 @@
 
 use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
 use crate::pipeline::Scan;
-use isokit_geom::{Affine, Frame, HalfSpace};
+use isokit_geom::{Aabb, Affine, Frame, HalfSpace, Space};
 use isokit_job::Job;
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Positions, TriMesh};
 use isokit_render::{
     ControlPoint, Gathered, Image, Projection, RasterOptions, RaycastOptions, Side, Size,
     TransferFunction,
 };
-use isokit_volume::{Grid, Volume};
+use isokit_volume::{Grid, Scaling, Volume};
 use std::num::NonZeroU32;
 
 const RED: [f32; 3] = [1.0, 0.0, 0.0];
@@ -104,7 +104,8 @@ fn planes_cut_what_they_name_and_caps_close_it() {
     let half = HalfSpace::new([0.0, 0.0, 1.0], -3.0).unwrap();
     let other = Clip { half, surfaces: None, cap: CapStyle::None };
     let both = with(vec![behind(5.0, None, CapStyle::Solid), other]);
-    assert_ne!(both.color, BLUE);
+    // The camera looks along a line that it takes away the cap of, and the surfaces behind.
+    assert_near(both, [0.0; 3], 0.0);
 }
 
 #[test]
@@ -224,4 +225,73 @@ fn every_preset_shows_something_of_a_scan_with_such_values() {
     let flat = Grid::new([3; 3], Frame::default()).unwrap();
     let flat = Scan::new(Volume::new(flat, vec![1.0_f32; 27]).unwrap());
     assert!(Preset::Auto.transfer(&flat, &Job::default()).is_err());
+}
+
+#[test]
+fn a_surface_that_is_flat_is_framed_as_it_is() {
+    let corners = [[100.0, 100.0, 5.0], [200.0, 100.0, 5.0], [100.0, 200.0, 5.0], [f64::NAN; 3]];
+    let mesh = TriMesh {
+        positions: Positions::F64(corners.into()),
+        triangles: vec![[0, 1, 2]],
+        ..TriMesh::default()
+    };
+    let viewpoint = Viewpoint::Framed { side: Side::Superior, orbit: 0.0, fov: None };
+    let surface = SurfaceLook { iso: None, ..look("flat", 0.0, RED, 1.0) };
+    let scene = Scene { surfaces: vec![surface], viewpoint, ..scene() };
+    let around = (Aabb { min: [0.0; 3], max: [1.0; 3] }, Space::default());
+    let image = scene.draw(&[mesh], (None, around), size(), &Job::default()).unwrap().0;
+    let seen = image.pixels().iter().filter(|pixel| pixel.opacity > 0.5).count();
+    assert!(seen > 81 * 81 / 3, "{seen}");
+}
+
+#[test]
+fn a_value_on_the_surface_is_inside_of_it_for_rays_and_caps_too() {
+    let grid = Grid::new([9; 3], Frame::default()).unwrap();
+    let scaling = Scaling::new(0.1, 0.0).unwrap();
+    let volume = Volume::new(grid, vec![7_i16; 729]).unwrap().with_scaling(scaling);
+    let scan = Scan::new(volume);
+    let projection = Projection::Perspective { fov: 30.0 };
+    let (from, up) = ([4.0, 7.0, 4.0], [0.0, 0.0, 1.0]);
+    let viewpoint = Viewpoint::At { from, at: Some([4.0, 0.0, 4.0]), up, projection };
+    let surfaces = vec![look("all", scaling.value(7.0), RED, 0.5)];
+    let inside = Scene { surfaces, viewpoint, ..scene() };
+    // From within one looks through one wall, by either way.
+    let traced = inside.trace(&scan, size(), &Job::default()).unwrap().0.pixel(40, 40);
+    assert_near(traced, [0.5, 0.0, 0.0], 0.5);
+    assert_near(drawn(&inside, &scan).unwrap().pixel(40, 40), [0.5, 0.0, 0.0], 0.5);
+    let capped = Scene { clips: vec![behind(4.0, None, CapStyle::Solid)], ..inside };
+    let traced = capped.trace(&scan, size(), &Job::default()).unwrap().0.pixel(40, 40);
+    assert_near(traced, RED, 1.0);
+}
+
+#[test]
+fn rays_need_the_bricks_of_which_something_can_be_seen() {
+    let point = |value, opacity| ControlPoint { value, color: [1.0; 3], opacity };
+    let transfer = TransferFunction::new(vec![point(15.0, 0.0), point(20.0, 1.0)]).unwrap();
+    let rays = Scene { transfer: Some(transfer), ..scene() };
+    let needs = |scene: &Scene| scene.needs_of_rays(&scan(), &Job::default()).unwrap();
+    let all = needs(&rays);
+    assert!(all.bricks_skipped > all.bricks / 2 && all.bricks_skipped < all.bricks, "{all:?}");
+    let half = Scene { clips: vec![behind(0.0, None, CapStyle::None)], ..rays.clone() };
+    assert!(needs(&half).bricks_skipped > all.bricks_skipped);
+    let named = Scene { clips: vec![behind(0.0, Some("bone"), CapStyle::None)], ..rays.clone() };
+    assert_eq!(needs(&named), all);
+    let lost = Scene { clips: vec![behind(0.0, Some("lost"), CapStyle::None)], ..rays };
+    let size = size();
+    let refused = lost.cast(&scan(), size, &Job::default()).unwrap_err();
+    assert_eq!(refused.to_string(), lost.needs(&scan(), &Job::default()).unwrap_err().to_string());
+    let none = scene().needs_of_rays(&scan(), &Job::default());
+    assert!(matches!(none, Err(SceneError::NoTransfer)));
+}
+
+#[test]
+fn a_surface_that_planes_cut_away_is_not_looked_for_by_rays() {
+    let away = behind(-40.0, None, CapStyle::None);
+    let scene = Scene { clips: vec![away], ..scene() };
+    let (image, traced) = scene.trace(&scan(), size(), &Job::default()).unwrap();
+    assert!(image.pixels().iter().all(|pixel| pixel.opacity == 0.0));
+    assert_eq!(traced.lit, 0);
+    let whole = Scene { clips: vec![], ..scene };
+    let all = whole.trace(&scan(), size(), &Job::default()).unwrap().1;
+    assert!(traced.cells < all.cells / 100, "{traced:?} of {all:?}");
 }

@@ -17,9 +17,9 @@ fn interpolated(at: impl Fn([i64; 3]) -> f32, [x, y, z]: [f32; 3]) -> f32 {
 fn lines(chance: &mut Chance, dims: [usize; 3]) -> (Lines, [f64; LINES]) {
     let mut lines = Lines::default();
     let steps = std::array::from_fn(|_| f64::from(chance.below(400)) / 16.0);
-    for k in 0..3 {
+    for (k, size) in dims.into_iter().enumerate() {
         for n in 0..LINES {
-            let place = f64::from(chance.below(64 * dims[k] as u32 + 128)) / 64.0 - 1.0;
+            let place = f64::from(chance.below(64 * size as u32 + 128)) / 64.0 - 1.0;
             let place = [place, place, place, place.round(), f64::NAN][chance.below(5) as usize];
             let step = f64::from(chance.below(200)) / 64.0 - 1.5;
             let steps: [f64; LINES] = steps;

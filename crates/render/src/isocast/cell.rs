@@ -54,7 +54,10 @@ impl Cubic {
 
     /// Where between 0 and 1 it turns from rising to falling or back, in order; 1 where it does not.
     fn turns(&self) -> [f64; 2] {
+        // In units of the greatest, so that no square overflows or vanishes.
         let [_, b, c, d] = self.0;
+        let greatest = b.abs().max(c.abs()).max(d.abs());
+        let [b, c, d] = [b, c, d].map(|part| part / greatest);
         // b + 2 c t + 3 d t² = 0, by the formula that does not cancel.
         let root = (c * c - 3.0 * b * d).sqrt();
         let sum = -(c + root.copysign(c));
@@ -139,6 +142,17 @@ mod tests {
             most = most.max(met.len());
         }
         assert_eq!(most, 3);
+    }
+
+    #[test]
+    fn pairs_of_crossings_are_found_however_large_numbers_are() {
+        for size in [1e-200, 1.0, 1e200] {
+            // Up and down again: 4 t (1 − t).
+            let hill = Cubic([0.0, 4.0 * size, -4.0 * size, 0.0]);
+            let mut met = vec![];
+            assert!(!hill.crossings(0.75 * size, false, |t| met.push(t)));
+            assert_eq!(met, [0.25, 0.75]);
+        }
     }
 
     #[test]

@@ -49,7 +49,9 @@ impl<T: Sample> Walk<'_, T> {
     pub(super) fn along(&self, ray: &Ray, known: &mut Known, traced: &mut Traced) -> Gathered {
         known.gathered = Gathered::NOTHING;
         self.meet_caps(ray, known);
-        if let Some([near, far]) = self.field.interval(ray) {
+        // Without a surface there is nothing on the way.
+        let way = self.field.interval(ray).filter(|_| !self.surfaces.is_empty());
+        if let Some([near, far]) = way {
             self.through([near, far], ray, known, traced);
         }
         self.gather_caps(f64::INFINITY, known);
@@ -222,7 +224,7 @@ impl<T: Sample> Walk<'_, T> {
                 };
                 light.shade(color, normal, ray.direction)
             });
-            known.gathered = known.gathered.over(Gathered::new(color, opacity));
+            known.gathered = known.gathered.over(Gathered::new(color, opacity.min(1.0)));
         }
         known.gathered.opacity < OPAQUE
     }

@@ -10,7 +10,10 @@ use isokit_geom::HalfSpace;
 use isokit_job::{CHUNK, Job, Stopped, in_chunks};
 use isokit_lanes::exactly;
 use rayon::prelude::*;
-use std::ops::Range;
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
 /// All triangles of a picture by tiles.
 pub(super) struct Bins<'a> {
@@ -44,6 +47,30 @@ struct Found {
     drawn: Drawn,
 }
 
+/// What a chunk may add before it asks whether there is room for it.
+const MUCH: u64 = 1 << 20;
+
+/// How much all chunks have found, and whether that is allowed.
+struct Held<'a> {
+    job: &'a Job,
+    bytes: &'a AtomicU64,
+}
+
+impl Held<'_> {
+    fn add(&self, bytes: u64) -> Result<u64, Stopped> {
+        self.job.check()?;
+        let all = self.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        self.job.limits.allow("triangles by tiles", Some(all), 1)?;
+        Ok(bytes)
+    }
+}
+
+impl Found {
+    fn bytes(&self) -> u64 {
+        (size_of_val(&self.entries[..]) + size_of_val(&self.pieces[..])) as u64
+    }
+}
+
 impl<'a> Bins<'a> {
     pub(super) fn of(
         surfaces: &'a [Painted<'a>],
@@ -62,10 +89,11 @@ impl<'a> Bins<'a> {
         let (vertices, starts, entries) = (vec![], vec![], vec![]);
         let mut bins = Self { surfaces, vertices, first, pieces: vec![], tiles, starts, entries };
         let mut drawn = Drawn::default();
-        let mut found = vec![];
+        let (mut found, held) = (vec![], AtomicU64::new(0));
         for (number, surface) in surfaces.iter().enumerate() {
             let triangles = surface.mesh.triangles.len();
-            if surface.opacity <= 0.0 {
+            // NaN is not above 0.
+            if !matches!(surface.opacity, opacity if opacity > 0.0) {
                 drawn.triangles_skipped += triangles as u64;
                 bins.vertices.push(vec![]);
                 continue;
@@ -73,8 +101,12 @@ impl<'a> Bins<'a> {
             let cuts = view.cuts(surface.clips);
             bins.vertices.push(vertices_of(surface, &cuts, view, job)?);
             job.progress.begin("sort", triangles as u64);
-            let chunk = |range: Range<usize>| exactly(|| bins.chunk((number, range), &cuts, view));
-            found.extend(in_chunks(triangles, job, chunk).map_err(Stopped::from)?);
+            let chunk = |range: Range<usize>| {
+                exactly(|| bins.chunk((number, range), &cuts, view, &Held { job, bytes: &held }))
+            };
+            for chunk in in_chunks(triangles, job, chunk).map_err(Stopped::from)? {
+                found.push(chunk?);
+            }
         }
         for found in &found {
             drawn = drawn.with(found.drawn);
@@ -133,12 +165,16 @@ impl<'a> Bins<'a> {
         (number, range): (usize, Range<usize>),
         cuts: &[HalfSpace],
         view: &Viewport<'_>,
-    ) -> Found {
+        held: &Held<'_>,
+    ) -> Result<Found, Stopped> {
         let (mesh, vertices) = (self.surfaces[number].mesh, &self.vertices[number]);
         let total = self.first[self.surfaces.len()];
         let mut found = Found::default();
-        let mut polygon = vec![];
+        let (mut polygon, mut told) = (vec![], 0);
         for n in range {
+            if found.bytes() - told >= MUCH {
+                told += held.add(found.bytes() - told)?;
+            }
             let (id, corners) = (self.first[number] + n as u32, mesh.triangles[n]);
             let seen = corners.map(|vertex| vertices.get(vertex as usize).copied());
             let mut is_seen = false;
@@ -164,7 +200,8 @@ impl<'a> Bins<'a> {
                 false => found.drawn.triangles_skipped += 1,
             }
         }
-        found
+        held.add(found.bytes() - told)?;
+        Ok(found)
     }
 
     /// Notes the tiles of the box around a triangle. None are of one outside of the picture, or without an area.
@@ -199,7 +236,8 @@ impl<'a> Bins<'a> {
         }
         self.pieces = job.limits.vec("cut triangles", Some(pieces as u64))?;
         self.entries = job.limits.zeroed("triangles by tiles", Some(entries as u64))?;
-        self.starts = vec![0; self.tiles[0] * self.tiles[1] + 1];
+        let starts = self.tiles[0] as u64 * self.tiles[1] as u64 + 1;
+        self.starts = job.limits.zeroed("tiles of the picture", Some(starts))?;
         for &(tile, _) in found.iter().flat_map(|found| &found.entries) {
             self.starts[tile as usize + 1] += 1;
         }

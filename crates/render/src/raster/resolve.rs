@@ -92,6 +92,11 @@ impl<'a> Resolve<'a> {
                 self.add_caps(place, &mut known.layers);
                 for n in 0..known.layers.len() {
                     if gathered.opacity >= OPAQUE {
+                        let behind = &known.layers[n..];
+                        let translucent = behind.iter().filter(|&&(key, look)| {
+                            look.is_none() && !self.bins.is_opaque(triangle_of(key))
+                        });
+                        drawn.hidden += translucent.count() as u64;
                         break;
                     }
                     let (key, look) = known.layers[n];
@@ -118,7 +123,8 @@ impl<'a> Resolve<'a> {
             let depth = self.view.depth(place);
             layers.extend(depth.map(|depth| (key(depth, number), Some(look))));
         }
-        layers.sort_unstable_by_key(|&(key, _)| key);
+        let depth = |key: u64| key >> u32::BITS;
+        layers.sort_by_key(|&(key, look)| (depth(key), look.is_none(), key));
     }
 
     /// A triangle where the ray through the middle of a pixel meets it, or nearest to that.

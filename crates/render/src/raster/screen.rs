@@ -1,8 +1,9 @@
 //! From places in the world to places in the picture.
 //!
 //! A place in the picture is in 1/256 of a pixel, as a whole number, so that it is exactly on one side of an edge or on
-//! the other. Depth is a number that grows away from the camera and changes linearly across the picture: the
-//! distance ahead in a parallel projection, and −1 over it in a perspective.
+//! the other. Depth is a number that grows away from the camera and changes linearly across the picture: how much farther
+//! ahead it is than what the camera looks at, in a perspective as a share of the distance. So it has the most digits
+//! there.
 
 use crate::{Camera, Projection, Ray, Size};
 use isokit_geom::{
@@ -46,6 +47,8 @@ pub(super) struct Viewport<'a> {
     scale: f64,
     /// The middle of the picture, in pixels.
     middle: [f64; 2],
+    /// How far ahead is what the camera looks at.
+    distance: f64,
     /// How far ahead something is seen at least.
     near: f64,
     /// What can be placed in the picture, as the camera sees it.
@@ -71,7 +74,8 @@ impl<'a> Viewport<'a> {
         ];
         // A side where numbers end cuts nothing.
         let sides = sides.into_iter().filter_map(|(normal, offset)| half(normal, offset)).collect();
-        Self { camera, size, is_parallel, scale, middle, near, sides }
+        let distance = camera.distance();
+        Self { camera, size, is_parallel, scale, middle, distance, near, sides }
     }
 
     /// All that a surface is cut by, as the camera sees it.
@@ -93,8 +97,8 @@ impl<'a> Viewport<'a> {
     #[inline(always)]
     pub(super) fn seen(&self, [right, up, ahead]: Vector) -> Seen {
         let (scale, depth) = match self.is_parallel {
-            true => (self.scale, ahead),
-            false => (self.scale / ahead, -1.0 / ahead),
+            true => (self.scale, ahead - self.distance),
+            false => (self.scale / ahead, (ahead - self.distance) / ahead),
         };
         let x = self.middle[0] + scale * right;
         let y = self.middle[1] - scale * up;

@@ -330,3 +330,28 @@ fn a_picture_of_no_use_is_refused_before_it_takes_memory() {
     job.cancel.cancel();
     assert!(matches!(refused(size(64, 64), &job), RasterError::Stopped(_)));
 }
+
+#[test]
+fn memory_for_triangles_that_are_everywhere_is_asked_for_as_it_grows() {
+    let corners = vec![[-50.0, 0.0, -50.0], [50.0, 0.0, -50.0], [0.0, 0.0, 90.0]];
+    let positions = Positions::F64(corners);
+    let mesh = TriMesh { positions, triangles: vec![[0, 1, 2]; 3000], ..TriMesh::default() };
+    let surface = [painted(&mesh, [1.0; 3], 0.5)];
+    let camera = camera([0.0, -5.0, 0.0], PARALLEL);
+    // The picture takes 16 MiB, and its tiles 8 bytes for each of 6 million entries.
+    let job = Job { limits: Limits { bytes: 30 << 20 }, ..Job::default() };
+    let error = rasterize(&surface, &[], (&camera, size(1024, 1024)), &PLAIN, &job).unwrap_err();
+    assert!(error.to_string().contains("triangles by tiles"), "{error}");
+}
+
+#[test]
+fn from_any_distance_a_parallel_picture_is_the_same() {
+    let (skin, core) = (ball([0.0; 3], 10.0, 24), ball([0.0; 3], 9.7, 24));
+    let surfaces = [painted(&skin, [1.0, 0.0, 0.0], 0.4), painted(&core, [0.0, 0.0, 1.0], 0.4)];
+    let parallel = Projection::Parallel { height: 24.0 };
+    let from = |away: f64| {
+        let camera = camera([0.0, -away, 0.0], parallel);
+        rasterize(&surfaces, &[], (&camera, size(60, 60)), &PLAIN, &Job::default()).unwrap().0
+    };
+    assert!(from(30.0) == from(2.0_f64.powi(30)));
+}

@@ -1,6 +1,6 @@
 //! Where nothing can be seen.
 
-use crate::{transfer::Lookup, trilinear::Scale};
+use crate::transfer::{Lookup, Scale};
 use isokit_job::{Job, Stopped};
 use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, words};
 use isokit_volume::{Bricks, Sample, View};

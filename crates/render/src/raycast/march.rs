@@ -4,7 +4,10 @@
 //! place.
 
 use super::{Cast, MOST_STEPS, Medium, RaycastOptions, leap::Clear};
-use crate::{Gathered, Light, Ray, Trilinear, transfer::Lookup};
+use crate::{
+    Gathered, Light, Ray, Trilinear,
+    transfer::{Lookup, Scale},
+};
 use isokit_geom::{
     HalfSpace,
     vector::{Vector, dot, length},
@@ -89,7 +92,8 @@ impl<'a, T: Sample> March<'a, T> {
         let Some(between) = &self.between else { return };
         let mut front = Front::default();
         front.facing.covectors = self.covectors;
-        let (table, mut found) = (self.lookup.table(self.field.scale()), Found::default());
+        let (table, mut found) =
+            (self.lookup.table(Scale::of(self.field.view().scaling())), Found::default());
         let mut due = u16::MAX;
         loop {
             while due != 0 {
