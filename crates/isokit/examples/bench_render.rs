@@ -137,7 +137,7 @@ fn casting<T: Sample>(volume: &Volume<T>, view: &View, cast: &Casting) -> Result
         color: [r, g, b].map(|part| part as f32),
         opacity: opacity as f32,
     };
-    let transfer = TransferFunction::new(cast.transfer.iter().map(point).collect())?;
+    let model = TransferFunction::new(cast.transfer.iter().map(point).collect())?.into();
     let (job, clips) = (view.job()?, view.clips()?);
     let default = RaycastOptions::DEFAULT;
     let options = default.with_step(cast.step).with_light(view.light());
@@ -147,7 +147,7 @@ fn casting<T: Sample>(volume: &Volume<T>, view: &View, cast: &Casting) -> Result
     let bricks = cast.leap.then(|| Bricks::of(&seen, &job)).transpose()?;
     let before = start.elapsed().as_secs_f64();
     let medium =
-        Medium { view: &seen, bricks: bricks.as_ref(), transfer: &transfer, clips: &clips };
+        Medium { view: &seen, bricks: bricks.as_ref(), model: &model, clips: &clips };
     let (camera, size) = (view.camera()?, view.size()?);
     let start = Instant::now();
     let (image, done) = raycast(&medium, (&camera, size), &options, &job)?;

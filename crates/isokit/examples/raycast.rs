@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (value, color) = word.split_once(':').ok_or(usage)?;
         Ok(ControlPoint::new(value.parse()?, color.parse()?))
     };
-    let transfer = TransferFunction::new(points.iter().map(point).collect::<Result<_, _>>()?)?;
+    let model = TransferFunction::new(points.iter().map(point).collect::<Result<_, _>>()?)?.into();
     let job = Job::default();
     let scan = Scan::read(volume, &job)?;
     let size = Size { width: 800.try_into()?, height: 800.try_into()? };
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let camera = Camera::framing(bounds, directions, Some(25.0), 1.0)?.orbited(30.0);
         let bricks = Bricks::of(&volume.view(), &job)?;
         let (view, bricks) = (&volume.view(), Some(&bricks));
-        let medium = Medium { view, bricks, transfer: &transfer, clips: &[] };
+        let medium = Medium { view, bricks, model: &model, clips: &[] };
         raycast(&medium, (&camera, size), &RaycastOptions::DEFAULT, &job)?
     });
     println!("{cast:?}");

@@ -7,6 +7,7 @@
 //! | draw them, cut and capped | [`Scene::draw`] |
 //! | or trace rays to them, without a mesh | [`Scene::trace`] |
 //! | or cast rays through the values | [`Scene::cast`] |
+//! | or lay the samples on each other | [`Scene::splat`] |
 //!
 //! A plane keeps places on one side of it. Of a surface that is cut only the part of the scan on that side is
 //! extracted; a surface that is transparent, or cut away altogether, is not. Samples that are NaN are outside.
@@ -31,8 +32,8 @@ use isokit_marching_cubes::{ExtractOptions, Nan};
 use isokit_mesh::TriMesh;
 use isokit_render::{
     Camera, CameraError, Cast, Drawn, Image, Isosurface, Isosurfaces, Medium, Paint, Painted,
-    Projection, RasterOptions, RaycastOptions, Side, Size, Traced, TransferFunction, Trilinear,
-    isocast, rasterize, raycast,
+    OpticalModel, Projection, RasterOptions, RaycastOptions, Side, Size, Splatted, Traced, Trilinear,
+    isocast, rasterize, raycast, splat,
 };
 use isokit_volume::{Bricks, for_any};
 
@@ -43,8 +44,8 @@ pub struct Scene {
     pub surfaces: Vec<SurfaceLook>,
     /// What cuts them, and rays.
     pub clips: Vec<Clip>,
-    /// What values look like, in [`Scene::cast`] and where a plane shows a slice.
-    pub transfer: Option<TransferFunction>,
+    /// What values look like, in [`Scene::cast`] and [`Scene::splat`] and where a plane shows a slice.
+    pub model: Option<OpticalModel>,
     /// From where it is seen.
     pub viewpoint: Viewpoint,
     /// How surfaces are drawn.
@@ -256,23 +257,53 @@ impl Scene {
         })
     }
 
-    /// The picture of a scan's values. From a side the whole scan is in the picture; planes for surfaces alone, and caps,
-    /// are not shown.
+    /// The picture of a scan's values, by rays. From a side the whole scan is in the picture; planes for surfaces alone,
+    /// and caps, are not shown.
     ///
     /// # Errors
     ///
-    /// If a plane names a surface that is not there; if there is no transfer function; if the camera sees nothing; or as [`raycast`].
+    /// If a plane names a surface that is not there; if nothing says what values look like; if the camera sees nothing;
+    /// or as [`raycast`].
     pub fn cast(&self, scan: &Scan, size: Size, job: &Job) -> Result<(Image, Cast), SceneError> {
-        self.check_names()?;
-        let transfer = self.transfer.as_ref().ok_or(SceneError::NoTransfer)?;
-        let camera = self.viewpoint.camera(scan.around(), size)?;
-        let clips: Vec<HalfSpace> = self.cuts_of_all().collect();
+        let (model, camera, clips) = self.of_values(scan, size)?;
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
             let bricks = Bricks::of(&view, job)?;
-            let medium = Medium { view: &view, bricks: Some(&bricks), transfer, clips: &clips };
+            let medium = Medium { view: &view, bricks: Some(&bricks), model, clips: &clips };
             Ok(raycast(&medium, (&camera, size), &self.raycast, job)?)
         })
+    }
+
+    /// The same by samples that are laid on each other.
+    ///
+    /// # Errors
+    ///
+    /// As [`cast`](Self::cast).
+    pub fn splat(
+        &self,
+        scan: &Scan,
+        size: Size,
+        job: &Job,
+    ) -> Result<(Image, Splatted), SceneError> {
+        let (model, camera, clips) = self.of_values(scan, size)?;
+        for_any!(scan.volume(), volume => {
+            let view = scan.view(volume);
+            let bricks = Bricks::of(&view, job)?;
+            let medium = Medium { view: &view, bricks: Some(&bricks), model, clips: &clips };
+            Ok(splat(&medium, (&camera, size), &self.raycast, job)?)
+        })
+    }
+
+    /// What pictures of values need: what they look like, from where, and where they are cut.
+    fn of_values(
+        &self,
+        scan: &Scan,
+        size: Size,
+    ) -> Result<(&OpticalModel, Camera, Vec<HalfSpace>), SceneError> {
+        self.check_names()?;
+        let model = self.model.as_ref().ok_or(SceneError::NoTransfer)?;
+        let camera = self.viewpoint.camera(scan.around(), size)?;
+        Ok((model, camera, self.cuts_of_all().collect()))
     }
 
     /// The box around the vertices that planes leave of the surfaces that can be seen, if it is more than a point.

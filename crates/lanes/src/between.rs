@@ -58,6 +58,8 @@ pub struct Found {
     pub shares: [f32; LINES],
     /// The cosines between lines and gradients, without their signs, where something is seen and not odd.
     pub cosines: [f32; LINES],
+    /// How long gradients are there, as they are in the world by [`Facing::covectors`], for differences over two samples.
+    pub slopes: [f32; LINES],
     /// The bits of those where something can be seen: that are not NaN, and in such a part.
     pub seen: u16,
     /// The bits of those of which no cosine was found: at the border, or where the gradient is NaN, or too large or
@@ -352,7 +354,7 @@ impl Found {
         self.seen = seen & is_number.bits() & wanted;
     }
 
-    /// The cosines of gradients; the bits of those that are found.
+    /// The cosines of gradients and how long they are; the bits of those that are found.
     #[inline(always)]
     fn face<W: Wide>(&mut self, wide: W, facing: &Facing, gradient: [W::F32; 3]) -> u16 {
         let (mut square, mut along) = (wide.f32(0.0), wide.f32(0.0));
@@ -363,8 +365,10 @@ impl Found {
             square = square + world * world;
             along = along + world * wide.load_f32(&facing.towards[k]);
         }
-        let cosine = (along / square.sqrt()).abs().min(wide.f32(1.0));
+        let long = square.sqrt();
+        let cosine = (along / long).abs().min(wide.f32(1.0));
         wide.store_f32(cosine, &mut self.cosines);
+        wide.store_f32(long, &mut self.slopes);
         let is_tame = square.less(wide.f32(TAME.end)) & !square.less(wide.f32(TAME.start));
         is_tame.bits()
     }

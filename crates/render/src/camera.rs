@@ -35,6 +35,8 @@ pub struct Camera {
     /// The distance to what it looks at.
     distance: f64,
     projection: Projection,
+    /// Half of what the picture shows from bottom to top: in a perspective, of what is 1 ahead.
+    half: f64,
 }
 
 /// Why there is no such camera.
@@ -120,7 +122,12 @@ impl Camera {
             return Err(CameraError::NoUp);
         }
         let right = unit(aside).ok_or(CameraError::NoUp)?;
-        Ok(Self { from, right, up: cross(right, forward), forward, distance, projection })
+        let half = match projection {
+            Projection::Parallel { height } => 0.5 * height,
+            Projection::Perspective { fov } => (fov.to_radians() / 2.0).tan(),
+        };
+        let up = cross(right, forward);
+        Ok(Self { from, right, up, forward, distance, projection, half })
     }
 
     /// A camera that looks at a box along `forward` and shows all of it, in a picture that is `aspect` times
@@ -204,26 +211,33 @@ impl Camera {
     /// How far from the middle of the picture, in halves of its height, a place is seen that is 1 aside: in a
     /// perspective, of one that is 1 ahead.
     pub fn magnification(&self) -> f64 {
+        1.0 / self.half
+    }
+
+    /// To the right, up and ahead: at right angles, and of length 1.
+    pub(crate) fn axes(&self) -> [Vector; 3] {
+        [self.right, self.up, self.forward]
+    }
+
+    /// Half of what the picture shows from bottom to top of what is so far ahead.
+    pub(crate) fn half_height(&self, ahead: f64) -> f64 {
         match self.projection {
-            Projection::Parallel { height } => 2.0 / height,
-            Projection::Perspective { fov } => 1.0 / (fov.to_radians() / 2.0).tan(),
+            Projection::Parallel { .. } => self.half,
+            Projection::Perspective { .. } => self.half * ahead,
         }
     }
 
     /// The ray of a point of the picture: `x` from −`aspect` at the left edge to `aspect`, `y` from −1 at the
     /// bottom to 1, where `aspect` is the picture's width over its height.
     pub fn ray(&self, [x, y]: [f64; 2]) -> Ray {
-        let aside = |half: f64| -> Vector {
-            std::array::from_fn(|k| half * (x * self.right[k] + y * self.up[k]))
-        };
+        let aside: Vector =
+            std::array::from_fn(|k| self.half * (x * self.right[k] + y * self.up[k]));
         match self.projection {
-            Projection::Parallel { height } => {
-                let aside = aside(0.5 * height);
+            Projection::Parallel { .. } => {
                 let origin = std::array::from_fn(|k| self.from[k] + aside[k]);
                 Ray { origin, direction: self.forward }
             }
-            Projection::Perspective { fov } => {
-                let aside = aside((fov.to_radians() / 2.0).tan());
+            Projection::Perspective { .. } => {
                 let towards = std::array::from_fn(|k| self.forward[k] + aside[k]);
                 // Its length is 1 or more.
                 Ray { origin: self.from, direction: unit(towards).unwrap_or(self.forward) }

@@ -41,6 +41,18 @@ impl Gathered {
         }
     }
 
+    /// So many times as much of the same.
+    #[inline]
+    #[must_use]
+    pub(crate) fn stretched(self, times: f64) -> Self {
+        if times == 1.0 || !(self.opacity > 0.0) {
+            return self;
+        }
+        let opacity = opacity_over(self.opacity.into(), times) as f32;
+        let color = self.color.map(|part| part / self.opacity * opacity);
+        Self { color, opacity }
+    }
+
     /// This under a light, of which a surface has a share of its colour and a share of white.
     #[inline(always)]
     #[must_use]

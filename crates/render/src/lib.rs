@@ -1,7 +1,8 @@
 //! Pictures of volumes, computed on the processor: no display and no graphics card take part.
 //!
-//! [`raycast`] looks at a volume through a [`TransferFunction`], which gives each value a colour and an opacity, with
-//! a [`Camera`]; the [`Image`] is written by [`write_png`].
+//! [`raycast`] looks with a [`Camera`] at a volume whose places look as an [`OpticalModel`] says: in the simplest case by
+//! a [`TransferFunction`], which gives each value a colour and an opacity. [`splat`] makes the
+//! same picture from the samples' side. The [`Image`] is written by [`write_png`].
 //!
 //! ```
 //! use isokit_geom::Space;
@@ -21,14 +22,15 @@
 //! let volume = Volume::new(grid, (0..32 * 32 * 32).map(ball).collect())?;
 //!
 //! // Nothing at the rim, an orange fog that grows denser towards the middle.
-//! let transfer = TransferFunction::new(vec![
+//! let fog = TransferFunction::new(vec![
 //!     ControlPoint::new(0.0, "#ff800000".parse()?),
 //!     ControlPoint::new(12.0, "#ff8000a0".parse()?),
 //! ])?;
+//! let model = fog.into();
 //! let bounds = volume.grid().bounds();
 //! let camera = Camera::framing(bounds, Side::Anterior.directions(Space::Ras), Some(30.0), 1.0)?;
 //! let size = Size { width: 64.try_into()?, height: 64.try_into()? };
-//! let medium = Medium { view: &volume.view(), bricks: None, transfer: &transfer, clips: &[] };
+//! let medium = Medium { view: &volume.view(), bricks: None, model: &model, clips: &[] };
 //! let (options, job) = (RaycastOptions::DEFAULT, Job::default());
 //! let (image, _) = raycast(&medium, (&camera, size), &options, &job)?;
 //! assert!(image.pixel(32, 32).opacity > 0.9 && image.pixel(0, 0).opacity == 0.0);
@@ -41,6 +43,7 @@
 //! otherwise. The same scene gives the same picture, byte for byte, for any number of threads.
 
 mod camera;
+mod clear;
 mod gather;
 mod image;
 mod isocast;
@@ -48,6 +51,7 @@ mod light;
 mod png;
 mod raster;
 mod raycast;
+mod splat;
 mod transfer;
 mod trilinear;
 
@@ -59,5 +63,9 @@ pub use light::Light;
 pub use png::{Depth, PngError, write_png};
 pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
 pub use raycast::{Cast, Medium, RaycastError, RaycastOptions, raycast};
-pub use transfer::{ControlPoint, TransferError, TransferFunction};
+pub use splat::{Splatted, splat};
+pub use transfer::{
+    ControlPoint, Material, Mixture, MixtureError, OpticalModel, SlopeError, SlopeFunction,
+    TransferError, TransferFunction,
+};
 pub use trilinear::Trilinear;

@@ -5,24 +5,23 @@
 //! a ray's way through the volume is cut; the last is shorter, and its opacity is corrected to its length, so that
 //! one substance gathers the same at any length of step. A sample that is NaN hides nothing.
 //!
-//! Two things are not computed, and counted: steps in blocks of which no value can be seen (`leap.rs`), which changes
+//! Two things are not computed, and counted: steps in blocks of which no value can be seen (`clear.rs`), which changes
 //! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
 //! Values are f32: of samples that are i32, u32 or f64 what differs by less than a ten-millionth is one value.
 //!
 //! What it does not do: colours and opacities change linearly within a step only as far as values do. A transfer
 //! function with peaks narrower than the change of value in one step needs shorter steps.
 
-mod leap;
 mod march;
 
 use crate::{
-    Camera, Gathered, Image, Light, Size, TransferFunction, gather::OPAQUE, transfer::Lookup,
+    Camera, Gathered, Image, Light, OpticalModel, Size, clear::Clear, gather::OPAQUE,
+    transfer::Lookup,
 };
 use isokit_geom::HalfSpace;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use isokit_volume::{Bricks, Sample, View};
-use leap::Clear;
 use march::March;
 use rayon::prelude::*;
 
@@ -34,17 +33,17 @@ pub struct Medium<'a, T> {
     /// Where in it which values are, if that is known. Changes time only. Bricks are of use if they are those of the
     /// samples; others, with other sizes, are left aside.
     pub bricks: Option<&'a Bricks<T>>,
-    /// What values look like.
-    pub transfer: &'a TransferFunction,
+    /// What its places look like.
+    pub model: &'a OpticalModel,
     /// What is kept of it: what is in all of these.
     pub clips: &'a [HalfSpace],
 }
 
-/// How rays are cast.
+/// How rays are cast, and samples are laid on each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RaycastOptions {
-    /// The length of a step, in units of the smallest spacing. Changes the picture: it is off by O(step²) where the
+    /// The length of a step, or from sheet to sheet, in units of the smallest spacing. Changes the picture: it is off by O(step²) where the
     /// transfer function is smooth. Default: 0.5.
     pub step: f64,
     /// The length, in world units, over which the opacities of the transfer function are gathered. Changes the
@@ -53,7 +52,7 @@ pub struct RaycastOptions {
     /// How gradients are lit; `None` leaves colours as they are. Changes the picture. Default:
     /// [`Light::DEFAULT`].
     pub light: Option<Light>,
-    /// With so much opacity a ray ends. Changes the picture, by no more than what is left to 1 in each part of
+    /// With so much opacity nothing behind is looked at. Changes the picture, by no more than what is left to 1 in each part of
     /// a colour. Default: 1 − 2⁻¹³, of which 8 bits show nothing, in the dark either.
     pub opaque: f32,
 }
@@ -140,7 +139,7 @@ pub enum RaycastError {
 const BAND: usize = 4;
 
 /// The most steps that fit along the three edges of a volume. No ray through it has more, but for rounding.
-const MOST_STEPS: f64 = 1e6;
+pub(crate) const MOST_STEPS: f64 = 1e6;
 
 /// The picture of a volume: its values through a transfer function.
 ///
@@ -161,7 +160,7 @@ pub fn raycast<T: Sample>(
     let width = size.width.get() as usize;
     job.progress.begin("render", u64::from(size.height.get()));
     let done = exactly(|| {
-        let lookup = Lookup::new(medium.transfer, step / unit);
+        let lookup = Lookup::new(medium.model, step / unit, step);
         let view = medium.view;
         let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
         let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
@@ -192,7 +191,7 @@ pub fn raycast<T: Sample>(
 }
 
 /// The length of a step, and that over which opacities are gathered, in world units.
-fn lengths<T: Sample>(
+pub(crate) fn lengths<T: Sample>(
     view: &View<'_, T>,
     options: &RaycastOptions,
 ) -> Result<(f64, f64), RaycastError> {

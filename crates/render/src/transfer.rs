@@ -2,12 +2,22 @@
 //!
 //! A transfer function is given by points: at each a value, a colour and an opacity, and between two of them
 //! both change linearly. An opacity is what a ray gathers over a reference length; over any other it is
-//! corrected (`gather.rs`). `Lookup` has a function ready for many values and one length of step.
+//! corrected (`gather.rs`).
+//!
+//! What a place looks like may depend on more than its value (`model.rs`): on how steep values are there (`slopes.rs`),
+//! or on what it is made of (`mixture.rs`). `lookup.rs` has all that ready for many values and one length of step.
 
-use crate::gather::opacity_over;
-use isokit_lanes::Table;
+mod lookup;
+mod mixture;
+mod model;
+mod slopes;
+
+pub(crate) use lookup::{Lookup, Place, Scale};
+pub use mixture::{Material, Mixture, MixtureError};
+pub use model::OpticalModel;
+pub use slopes::{SlopeError, SlopeFunction};
+
 use isokit_mesh::Rgba;
-use isokit_volume::Scaling;
 
 /// What values look like.
 ///
@@ -18,6 +28,8 @@ use isokit_volume::Scaling;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     points: Vec<ControlPoint>,
+    /// Whether colours between points count as much as they hide: what changes linearly is colour times opacity.
+    is_weighted: bool,
 }
 
 /// What one value looks like.
@@ -90,7 +102,20 @@ impl TransferFunction {
             }
             before = point.value;
         }
-        Ok(Self { points })
+        Ok(Self { points, is_weighted: false })
+    }
+
+    /// The same, but that a colour between two points is theirs in the measure of their opacities: of a point that
+    /// cannot be seen no colour is in it.
+    #[must_use]
+    pub fn weighted(self) -> Self {
+        Self { is_weighted: true, ..self }
+    }
+
+    /// The same with nothing to be seen.
+    pub(crate) fn hidden(&self) -> Self {
+        let hidden = |point: &ControlPoint| ControlPoint { opacity: 0.0, ..*point };
+        Self { points: self.points.iter().map(hidden).collect(), ..*self }
     }
 
     /// Its points.
@@ -108,9 +133,15 @@ impl TransferFunction {
         }
         let width = high.value - low.value;
         let share = if width > 0.0 { (value - low.value) / width } else { 0.0 };
-        let mix = |a: f32, b: f32| (f64::from(a) * (1.0 - share) + f64::from(b) * share) as f32;
-        let color = std::array::from_fn(|n| mix(low.color[n], high.color[n]));
-        ControlPoint { value, color, opacity: mix(low.opacity, high.opacity) }
+        let mix = |a: f32, b: f32, share: f64| {
+            (f64::from(a) * (1.0 - share) + f64::from(b) * share) as f32
+        };
+        let opacity = mix(low.opacity, high.opacity, share);
+        let weight = share * f64::from(high.opacity) / f64::from(opacity);
+        let of_colors =
+            if self.is_weighted && weight.is_finite() { weight.min(1.0) } else { share };
+        let color = std::array::from_fn(|n| mix(low.color[n], high.color[n], of_colors));
+        ControlPoint { value, color, opacity }
     }
 
     /// Whether a value from `least` to `greatest` can be seen.
@@ -121,156 +152,9 @@ impl TransferFunction {
     }
 }
 
-/// A transfer function made ready for one length of step: colours, multiplied by the opacities of a step, at
-/// values side by side, between which they change linearly. Where the function has a step, or a peak too narrow
-/// for that, it is asked itself.
-#[derive(Clone, Debug)]
-pub(crate) struct Lookup<'a> {
-    function: &'a TransferFunction,
-    /// How many reference lengths a step has.
-    step: f64,
-    /// The value of the first entry.
-    base: f32,
-    /// Entries per value.
-    scale: f32,
-    /// One more than there are parts.
-    entries: Box<[[f32; 4]; PARTS + 1]>,
-    /// Whether something is seen in each part.
-    seen: Box<[bool; PARTS]>,
-    /// The first part from each on in which something is seen, or else how many there are.
-    next_seen: Box<[u16; PARTS]>,
-    /// Whether a part is not as good as linear.
-    is_bent: Box<[bool; PARTS]>,
-}
-
-/// What a stored sample means, in f32.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Scale {
-    slope: f32,
-    intercept: f32,
-}
-
-impl Scale {
-    pub(crate) fn of(scaling: Scaling) -> Self {
-        Self { slope: scaling.slope() as f32, intercept: scaling.intercept() as f32 }
-    }
-
-    /// The value of a stored sample. Rounding keeps order: it never falls where samples rise, or never rises.
-    #[inline(always)]
-    pub(crate) fn value(self, stored: f32) -> f32 {
-        stored * self.slope + self.intercept
-    }
-}
-
-/// Parts of a lookup: few enough for the second cache.
-const PARTS: usize = 1 << 12;
-
-/// By how much a colour or an opacity may be off between two entries: a quarter of what 10 bits tell apart.
-const UNSEEN: f32 = 1.0 / 4096.0;
-
-impl<'a> Lookup<'a> {
-    /// For steps of so many reference lengths.
-    pub(crate) fn new(function: &'a TransferFunction, step: f64) -> Self {
-        let points = &function.points;
-        let [least, greatest] = [&points[0], &points[points.len() - 1]].map(|point| point.value);
-        // A little beyond both ends, where a step may be: what is farther out is as there.
-        let reach = least.abs().max(greatest.abs());
-        let beyond = ((greatest - least) / 1024.0).max(reach * 1e-6).max(1e-30);
-        let base = (least - beyond) as f32;
-        let width = greatest + beyond - f64::from(base);
-        let scale = (PARTS as f64 / width) as f32;
-        let entries = Box::new([[0.0; 4]; PARTS + 1]);
-        let (seen, is_bent) = (Box::new([true; PARTS]), Box::new([false; PARTS]));
-        let next_seen = Box::new([PARTS as u16; PARTS]);
-        let mut lookup = Self { function, step, base, scale, entries, seen, next_seen, is_bent };
-        let value = |n: usize| f64::from(base) + width * (n as f64 / PARTS as f64);
-        lookup.entries = Box::new(std::array::from_fn(|n| lookup.over(value(n), 1.0)));
-        for (seen, ends) in lookup.seen.iter_mut().zip(lookup.entries.windows(2)) {
-            *seen = ends.iter().any(|entry| entry[3] > 0.0);
-        }
-        for point in points {
-            let value = point.value as f32;
-            if point.opacity > 0.0 {
-                // However little of it, between entries too.
-                let (part, _) = lookup.part(value);
-                lookup.seen[part.saturating_sub(1)..(part + 2).min(PARTS)].fill(true);
-            }
-            // Of a step this side and the other.
-            let is_off = [value, value.next_down()].into_iter().any(|value| {
-                let (part, share) = lookup.part(value);
-                let pairs =
-                    lookup.between(part, share).into_iter().zip(lookup.over(value.into(), 1.0));
-                pairs.into_iter().any(|(found, exact)| (found - exact).abs() > UNSEEN)
-            });
-            if is_off {
-                let (part, _) = lookup.part(value);
-                let near = part.saturating_sub(1)..(part + 2).min(PARTS);
-                lookup.seen[near.clone()].fill(true);
-                lookup.is_bent[near].fill(true);
-            }
-        }
-        let mut next = PARTS as u16;
-        for part in (0..PARTS).rev() {
-            next = if lookup.seen[part] { part as u16 } else { next };
-            lookup.next_seen[part] = next;
-        }
-        lookup
-    }
-
-    /// Colour times opacity, and opacity, of a value that is not NaN.
-    #[cfg(test)]
-    fn at(&self, value: f32) -> [f32; 4] {
-        let (part, share) = self.part(value);
-        self.in_part(part, share, value)
-    }
-
-    /// Colour times opacity, and opacity, of a value that is not NaN, by the [`part`](Self::part) that it is in.
-    #[inline(always)]
-    pub(crate) fn in_part(&self, part: usize, share: f32, value: f32) -> [f32; 4] {
-        match self.is_bent[part] {
-            false => self.between(part, share),
-            true => self.over(value.into(), 1.0),
-        }
-    }
-
-    /// The parts, for samples that mean what `scale` says.
-    pub(crate) fn table(&self, scale: Scale) -> Table<'_> {
-        let Scale { slope, intercept } = scale;
-        Table { slope, intercept, base: self.base, scale: self.scale, seen: &self.seen[..] }
-    }
-
-    /// The same over a part of a step, and as exact as the function is.
-    #[inline(never)]
-    pub(crate) fn over(&self, value: f64, part: f64) -> [f32; 4] {
-        let point = self.function.at(value);
-        let opacity = opacity_over(point.opacity.into(), part * self.step) as f32;
-        let [r, g, b] = point.color.map(|part| part * opacity);
-        [r, g, b, opacity]
-    }
-
-    /// Whether no value from one to another can be seen.
-    pub(crate) fn is_clear(&self, ends: [f32; 2]) -> bool {
-        let [first, last] = ends.map(|end| self.part(end).0);
-        usize::from(self.next_seen[first]) > last
-    }
-
-    #[inline(always)]
-    fn between(&self, part: usize, share: f32) -> [f32; 4] {
-        let [low, high] = [self.entries[part], self.entries[part + 1]];
-        std::array::from_fn(|n| low[n] + (high[n] - low[n]) * share)
-    }
-
-    /// The part that a value is in, and how far in it.
-    fn part(&self, value: f32) -> (usize, f32) {
-        let place = ((value - self.base) * self.scale).clamp(0.0, PARTS as f32);
-        let part = (place as usize).min(PARTS - 1);
-        (part, place - part as f32)
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{ControlPoint, Lookup, TransferError, TransferFunction};
+    use super::{ControlPoint, TransferError, TransferFunction};
 
     fn point(value: f64, shade: f32, opacity: f32) -> ControlPoint {
         ControlPoint { value, color: [shade, 0.5 * shade, 0.0], opacity }
@@ -294,6 +178,23 @@ mod tests {
         expect(25.0, 0.625, 0.2);
         expect(f64::INFINITY, 0.5, 0.0);
         assert_eq!(hill().at(f64::NAN).opacity, 0.0);
+    }
+
+    #[test]
+    fn colours_in_the_measure_of_opacities_are_products_that_change_linearly() {
+        let points = [point(0.0, 0.25, 0.2), point(1.0, 1.0, 0.8)];
+        let product = |value: f64, function: &TransferFunction| {
+            let found = function.at(value);
+            found.color[0] * found.opacity
+        };
+        let weighted = TransferFunction::new(points.into()).unwrap().weighted();
+        for value in [0.0, 0.3, 0.5, 0.9, 1.0] {
+            let expected = 0.05 + 0.75 * value as f32;
+            assert!((product(value, &weighted) - expected).abs() < 1e-6, "{value}");
+        }
+        let clear =
+            TransferFunction::new(vec![point(0.0, 0.0, 0.0), point(1.0, 1.0, 0.5)]).unwrap();
+        assert_eq!(clear.weighted().at(0.25).color[0], 1.0);
     }
 
     #[test]
@@ -334,55 +235,5 @@ mod tests {
             let found = new(&[point(0.0, 0.0, 0.0), bad]);
             assert_eq!(found, TransferError::OutOfRange { number: 2 });
         }
-    }
-
-    #[test]
-    fn a_lookup_is_the_function_but_for_rounding() {
-        for (factor, shift) in [(1.0, 0.0), (1e-6, 0.0), (1e30, -1e30), (1.0, 1e3)] {
-            let place = |value: f64| value * factor + shift;
-            let points = hill().points.into_iter();
-            let points = points.map(|point| ControlPoint { value: place(point.value), ..point });
-            let hill = TransferFunction::new(points.collect()).unwrap();
-            let lookup = Lookup::new(&hill, 0.5);
-            for n in 0..1000 {
-                let value = place(-5.0 + 45.0 * f64::from(n) / 999.0);
-                let [r, _, _, opacity] = lookup.at(value as f32);
-                let exact = hill.at(value);
-                let expected = 1.0 - (1.0 - exact.opacity).sqrt();
-                // Next to a point of the function a part has two slopes.
-                let off = 3e-4;
-                assert!(f64::from(opacity - expected).abs() <= off, "{value}: {opacity}");
-                assert!(
-                    f64::from(r - exact.color[0] * expected).abs() <= 2.0 * off,
-                    "{value}: {r}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn a_lookup_keeps_steps_to_the_value_and_peaks_however_narrow() {
-        let of = |points: &[(f64, f32)]| {
-            let points = points.iter().map(|&(value, opacity)| point(value, 1.0, opacity));
-            TransferFunction::new(points.collect()).unwrap()
-        };
-        for function in [
-            of(&[(100.0, 0.0), (100.0, 0.5)]),
-            of(&[(0.0, 0.2), (0.0, 0.0), (255.0, 0.0), (255.0, 0.7)]),
-            of(&[(0.0, 0.1), (128.0, 0.1), (128.0, 0.9), (255.0, 0.9)]),
-            of(&[(0.0, 0.0), (63.995, 0.0), (64.0, 0.8), (64.005, 0.0), (255.0, 0.0)]),
-        ] {
-            let lookup = Lookup::new(&function, 1.0);
-            for value in (-1..=256).flat_map(|n| [n as f32, (n as f32).next_down(), n as f32 + 0.5])
-            {
-                let (found, exact) = (lookup.at(value)[3], function.at(value.into()).opacity);
-                assert!((found - exact).abs() < 1e-3, "{value}: {found} for {exact}");
-            }
-        }
-        let peak = of(&[(0.0, 0.0), (6.9999, 0.0), (7.0, 0.8), (7.0001, 0.0), (31e3, 0.0)]);
-        let lookup = Lookup::new(&peak, 1.0);
-        // Parts beside that of the peak are taken for such.
-        assert!(lookup.is_clear([40.0, 30e3]) && !lookup.is_clear([7.0, 7.0]));
-        assert!(!lookup.is_clear([0.0, 8.0]));
     }
 }

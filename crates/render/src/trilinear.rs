@@ -1,7 +1,10 @@
 //! A volume between its samples: trilinear, in f64.
 
 use crate::Ray;
-use isokit_geom::{Affine, vector::Vector};
+use isokit_geom::{
+    Affine, HalfSpace,
+    vector::{Vector, dot},
+};
 use isokit_volume::{Sample, View};
 
 /// The values of a volume between its samples, in its box from the first sample to the last. One that is
@@ -56,6 +59,23 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         (far > near && far.is_finite()).then_some([near, far])
     }
 
+    /// The same, as far as planes keep it.
+    pub(crate) fn interval_within(&self, ray: &Ray, clips: &[HalfSpace]) -> Option<[f64; 2]> {
+        let [mut near, mut far] = self.interval(ray)?;
+        for clip in clips {
+            let (beyond, along) = (clip.beyond(ray.origin), dot(clip.normal(), ray.direction));
+            let end = -beyond / along;
+            match (along > 0.0, along < 0.0) {
+                (true, _) => far = far.min(end),
+                (_, true) => near = near.max(end),
+                // Along the plane, on one side of it.
+                _ if beyond > 0.0 => return None,
+                _ => {}
+            }
+        }
+        (far > near).then_some([near, far])
+    }
+
     /// The value at a place in index space: from the least value of the cell's corners to the greatest, whatever is
     /// rounded.
     pub(crate) fn at_index(&self, place: [f64; 3]) -> f64 {
@@ -95,56 +115,75 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         (cell, part)
     }
 
-    /// The gradient in the world, but for its length, at a place in index space: by central differences of values a
-    /// sample before and after along each axis, which is what interpolating the central differences at samples
-    /// gives; at the border and beside what has no value, by that of one side.
+    /// The gradient in the world at a place in index space: central differences at samples, at the border those of one
+    /// side, interpolated. Beside what has no value it is found by differences of values around the place.
     #[inline(always)]
     pub(crate) fn gradient(&self, place: [f64; 3]) -> Vector {
         let (cell, part) = self.cell(place);
-        let dims = self.view.dims();
-        if (0..3).all(|k| cell[k] >= 1 && cell[k] + 2 < dims[k]) {
-            let found = self.within(cell, part);
-            if found.iter().all(|part| part.is_finite()) {
-                return self.in_world(found);
-            }
+        let found = self.within(cell, part);
+        match found.iter().all(|part| part.is_finite()) {
+            true => self.in_world(found),
+            false => self.beside(place),
         }
-        self.beside(place)
     }
 
-    /// The same, in index space, where there are samples on all sides.
+    /// The same in index space. What is missing beyond the border goes on from there in a straight line: a central
+    /// difference with it is that of one side.
     #[inline(always)]
     fn within(&self, cell: [usize; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
-        let row = |j: usize, k: usize| -> [f64; 4] {
-            let low = [cell[0] - 1, cell[1] + j - 1, cell[2] + k - 1];
-            match self.view.four(low) {
-                Some(four) => four.map(Sample::to_f64),
-                None => {
-                    std::array::from_fn(|i| self.view.stored([low[0] + i, low[1], low[2]]).to_f64())
+        let dims = self.view.dims();
+        let has = [0, 1, 2].map(|k| [cell[k] >= 1, cell[k] + 2 < dims[k]]);
+        // Of the rows around the cell, counted from that before it: the two samples in the middle.
+        let middle = |j: usize, k: usize| -> [f64; 2] {
+            let at = |i: usize| self.view.stored([cell[0] + i, cell[1] + j - 1, cell[2] + k - 1]);
+            [0, 1].map(|i| at(i).to_f64())
+        };
+        let four = |j: usize, k: usize| -> [f64; 4] {
+            let (y, z) = (cell[1] + j - 1, cell[2] + k - 1);
+            match has[0] {
+                [true, true] => match self.view.four([cell[0] - 1, y, z]) {
+                    Some(four) => four.map(Sample::to_f64),
+                    None => {
+                        [0, 1, 2, 3].map(|i| self.view.stored([cell[0] + i - 1, y, z]).to_f64())
+                    }
+                },
+                [before, after] => {
+                    let [low, high] = middle(j, k);
+                    let stored = |i: usize| self.view.stored([i, y, z]).to_f64();
+                    let before = if before { stored(cell[0] - 1) } else { 2.0 * low - high };
+                    let after = if after { stored(cell[0] + 2) } else { 2.0 * high - low };
+                    [before, low, high, after]
                 }
             }
         };
-        // By places along y and z; of those on the outer rows only the two in the middle count.
-        let rows = [row(1, 1), row(2, 1), row(1, 2), row(2, 2)];
+        let rows = [four(1, 1), four(2, 1), four(1, 2), four(2, 2)];
         let line: [f64; 4] = std::array::from_fn(|i| {
             mix(mix(rows[0][i], rows[1][i], y), mix(rows[2][i], rows[3][i], y), z)
         });
-        let middle = |row: [f64; 4]| mix(row[1], row[2], x);
-        let [a, b, c, d] = rows.map(middle);
+        let [a, b, c, d] = rows.map(|row| mix(row[1], row[2], x));
         let rise = |[before, low, high, after]: [f64; 4], share: f64| {
             mix(high, after, share) - mix(before, low, share)
         };
-        let outer = |j: usize, k: usize| middle(row(j, k));
-        let along_y = mix(
-            rise([outer(0, 1), a, b, outer(3, 1)], y),
-            rise([outer(0, 2), c, d, outer(3, 2)], y),
-            z,
-        );
-        let along_z = mix(
-            rise([outer(1, 0), a, c, outer(1, 3)], z),
-            rise([outer(2, 0), b, d, outer(2, 3)], z),
-            y,
-        );
-        [rise(line, x), along_y, along_z].map(|rise| rise * self.view.scaling().slope())
+        let outer = |is_there: bool, [j, k]: [usize; 2], near: f64, far: f64| match is_there {
+            true => {
+                let [low, high] = middle(j, k);
+                mix(low, high, x)
+            }
+            false => 2.0 * near - far,
+        };
+        let [_, [before, after], [above, below]] = has;
+        let along_y = |k: usize, low: f64, high: f64| {
+            let ends = [outer(before, [0, k], low, high), outer(after, [3, k], high, low)];
+            rise([ends[0], low, high, ends[1]], y)
+        };
+        let along_z = |j: usize, low: f64, high: f64| {
+            let ends = [outer(above, [j, 0], low, high), outer(below, [j, 3], high, low)];
+            rise([ends[0], low, high, ends[1]], z)
+        };
+        let along_y = mix(along_y(1, a, b), along_y(2, c, d), z);
+        let along_z = mix(along_z(1, a, c), along_z(2, b, d), y);
+        // Over two samples.
+        [rise(line, x), along_y, along_z].map(|rise| 0.5 * rise * self.view.scaling().slope())
     }
 
     fn in_world(&self, part: Vector) -> Vector {
@@ -154,7 +193,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         })
     }
 
-    /// The gradient where samples are missing on a side.
+    /// The gradient where samples around have no value.
     #[inline(never)]
     fn beside(&self, place: [f64; 3]) -> Vector {
         let dims = self.view.dims();
@@ -221,7 +260,32 @@ mod tests {
         let value = |n: u64| 1e9 + 0.25 * (n % 5) as f64 - 0.5 * (n / 5 % 5) as f64;
         let volume = Volume::new(grid, (0..125).map(value).collect::<Vec<f64>>()).unwrap();
         let found = Trilinear::new(volume.view()).gradient([1.5, 2.25, 1.75]);
-        assert_eq!(found.map(|part| part / found[0]), [1.0, -2.0, 0.0]);
+        assert_eq!(found, [0.25, -0.5, 0.0]);
+    }
+
+    #[test]
+    fn gradients_of_what_rises_evenly_are_its_slopes_at_the_border_too() {
+        let index_to_world = Affine::axis_aligned([2.0, 0.5, 1.0], [0.0; 3]).unwrap();
+        for dims in [[5, 4, 6], [2, 3, 2]] {
+            let grid = Grid::new(dims, Frame { index_to_world, ..Frame::default() }).unwrap();
+            let [nx, ny, _] = dims;
+            let value = |n: u64| {
+                let [i, j, k] = [n % nx, n / nx % ny, n / nx / ny].map(|c| c as f32);
+                3.0 * i - j + 4.0 * k
+            };
+            let volume = Volume::new(grid, (0..grid.count()).map(value).collect()).unwrap();
+            let field = Trilinear::new(volume.view());
+            for n in 0..1000_u64 {
+                let place: [f64; 3] = std::array::from_fn(|k| {
+                    let part = n / 10_u64.pow(k as u32) % 10;
+                    part as f64 / 9.0 * (dims[k] - 1) as f64
+                });
+                let found = field.gradient(place);
+                let off =
+                    (0..3).map(|k| (found[k] - [1.5, -2.0, 4.0][k]).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-12, "{place:?}: {found:?}");
+            }
+        }
     }
 
     #[test]

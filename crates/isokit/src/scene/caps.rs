@@ -39,12 +39,12 @@ impl<'a> Caps<'a> {
                     surface.map_or(Gathered::NOTHING, |look| Gathered::new(look.color, 1.0))
                 }),
                 CapStyle::Slice => {
-                    let transfer = scene.transfer.as_ref().ok_or(SceneError::NoTransfer)?;
+                    let model = scene.model.as_ref().ok_or(SceneError::NoTransfer)?;
                     Box::new(move |place| {
                         let found = value(place);
                         let found = found.filter(|&value| innermost(place, value).is_some());
                         found.map_or(Gathered::NOTHING, |value| {
-                            Gathered::new(transfer.at(value).color, 1.0)
+                            Gathered::new(model.at(value).color, 1.0)
                         })
                     })
                 }

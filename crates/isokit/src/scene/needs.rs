@@ -80,14 +80,14 @@ impl Scene {
         Ok(Needs { surfaces, bricks, bricks_skipped, samples: all, samples_skipped })
     }
 
-    /// What rays through the values of a scan need. Reads the scan once.
+    /// What pictures of the values of a scan need. Reads the scan once.
     ///
     /// # Errors
     ///
-    /// If a plane names a surface that is not there, if there is no transfer function, or if the job is cancelled.
+    /// If a plane names a surface that is not there, if nothing says what values look like, or if the job is cancelled.
     pub fn needs_of_rays(&self, scan: &Scan, job: &Job) -> Result<Needs, SceneError> {
         self.check_names()?;
-        let transfer = self.transfer.as_ref().ok_or(SceneError::NoTransfer)?;
+        let model = self.model.as_ref().ok_or(SceneError::NoTransfer)?;
         let corner = scan.part().map(|range| range.start);
         let samples = scan.part().iter().map(|range| range.len() as u64).product();
         for_any!(scan.volume(), volume => {
@@ -98,7 +98,7 @@ impl Scene {
                 let range = bricks.extents()[grid.number(*brick)].range();
                 let shows = range.is_some_and(|ends| {
                     let [a, b] = ends.map(|end| scaling.value(end.to_f64()));
-                    transfer.shows_any([a.min(b), a.max(b)])
+                    model.shows_any([a.min(b), a.max(b)])
                 });
                 let ends: [[f64; 2]; 3] = std::array::from_fn(|k| {
                     let along = grid.samples(k, brick[k]);

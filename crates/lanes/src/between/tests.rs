@@ -143,6 +143,8 @@ fn compare<T: Lane>(
                 ((along / square.sqrt()).abs().min(1.0), 4.0 * expected.slack / square.sqrt());
             let found = plain.cosines[n];
             assert!((found - cosine).abs() <= off + 1e-6, "{found} for {cosine}");
+            let (found, long) = (plain.slopes[n], square.sqrt());
+            assert!((found - long).abs() <= (off + 1e-6) * long, "{found} for {long}");
         }
     }
     for &level in Level::available() {
@@ -155,7 +157,8 @@ fn compare<T: Lane>(
             let of = |found: &Found| (bits(found.values[n]), found.parts[n], bits(found.shares[n]));
             assert_eq!([of(&found), of(&dark)], [of(&plain); 2], "{level}");
             if plain.seen & !plain.odd & 1 << n != 0 {
-                assert_eq!(bits(found.cosines[n]), bits(plain.cosines[n]), "{level}");
+                let of = |found: &Found| [found.cosines[n], found.slopes[n]].map(bits);
+                assert_eq!(of(&found), of(&plain), "{level}");
             }
         }
     }

@@ -3,14 +3,15 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, MOST_STEPS, Medium, RaycastOptions, leap::Clear};
+use super::{Cast, MOST_STEPS, Medium, RaycastOptions};
 use crate::{
     Gathered, Light, Ray, Trilinear,
-    transfer::{Lookup, Scale},
+    clear::Clear,
+    transfer::{Lookup, Place, Scale},
 };
 use isokit_geom::{
     HalfSpace,
-    vector::{Vector, dot, length},
+    vector::{Vector, length},
 };
 use isokit_lanes::{Between, Blocks, Facing, Found, LINES, Lines};
 use isokit_volume::Sample;
@@ -23,6 +24,8 @@ pub(super) struct March<'a, T> {
     between: Option<Between<'a, T>>,
     /// What takes a gradient in index space to the direction that it has in the world.
     covectors: [[f32; 3]; 3],
+    /// How long a gradient of length 1 is that is found so.
+    rise: f32,
     clips: &'a [HalfSpace],
     lookup: &'a Lookup<'a>,
     /// Where nothing can be seen: as it is, and for leaps.
@@ -79,7 +82,9 @@ impl<'a, T: Sample> March<'a, T> {
         let columns = [0, 1, 2].map(|axis| field.across(axis));
         let greatest = columns.as_flattened().iter().fold(0.0, |most: f64, c| most.max(c.abs()));
         let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
-        Self { field, between, covectors, clips, lookup, clear, step, light, opaque }
+        // Differences are over two samples.
+        let rise = (0.5 * greatest * medium.view.scaling().slope().abs()) as f32;
+        Self { field, between, covectors, rise, clips, lookup, clear, step, light, opaque }
     }
 
     /// What rays gather, each with the number of its pixel.
@@ -113,10 +118,10 @@ impl<'a, T: Sample> March<'a, T> {
             due = 0;
             if ready != 0 {
                 let places = (&front.lines, &front.steps);
-                let facing = self.light.is_some().then_some(&front.facing);
+                let facing = self.has_gradients().then_some(&front.facing);
                 between.look(places, ready, &table, facing, &mut found);
                 done.steps += u64::from(ready.count_ones());
-                due = if found.seen == 0 { 0 } else { self.gather(&found, &mut front) };
+                due = if found.seen == 0 { 0 } else { self.gather(&mut found, &mut front) };
             }
             for n in 0..LINES {
                 front.steps[n] += f64::from(ready >> n & 1);
@@ -176,69 +181,64 @@ impl<'a, T: Sample> March<'a, T> {
         if value.is_nan() {
             return Gathered::NOTHING;
         }
-        let [r, g, b, opacity] = self.lookup.over(value, way.steps.fract());
-        let dark = Gathered { color: [r, g, b], opacity };
-        match &self.light {
-            Some(light) if opacity > 0.0 => {
-                dark.lit(light.answer(self.field.gradient(place), way.towards))
-            }
-            _ => dark,
+        let part = way.steps.fract();
+        if !self.has_gradients() {
+            return self.lookup.exact([value, 0.0], part, None);
         }
+        let gradient = self.field.gradient(place);
+        let shade = self.light.map(|light| light.answer(gradient, way.towards));
+        self.lookup.exact([value, length(gradient)], part, shade)
+    }
+
+    /// Whether anybody asks for gradients.
+    fn has_gradients(&self) -> bool {
+        self.light.is_some() || self.lookup.has_slopes()
     }
 
     /// Adds what is seen in the next step of each ray; the bits of those that are as good as opaque then.
     #[inline(always)]
-    fn gather(&self, found: &Found, front: &mut Front) -> u16 {
-        let shades = self.light.map(|light| self.shades(&light, found, front));
+    fn gather(&self, found: &mut Found, front: &mut Front) -> u16 {
+        let shades = self.shades(found, front);
         let (mut left, mut opaque) = (found.seen, 0);
         while left != 0 {
             let n = left.trailing_zeros() as usize;
             left &= left - 1;
-            let look =
-                self.lookup.in_part(found.parts[n] as usize, found.shares[n], found.values[n]);
-            let [r, g, b, opacity] = look;
-            let dark = Gathered { color: [r, g, b], opacity };
-            let lit = match &shades {
-                Some([matt, gloss]) => dark.lit([matt[n], gloss[n]]),
-                None => dark,
+            let place = Place {
+                part: found.parts[n] as usize,
+                share: found.shares[n],
+                value: found.values[n],
+                slope: found.slopes[n] * self.rise,
             };
-            let gathered = front.gathered[n].over(lit);
+            let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
+            let gathered = front.gathered[n].over(self.lookup.gathered(place, shade));
             front.gathered[n] = gathered;
             opaque |= u16::from(gathered.opacity >= self.opaque) << n;
         }
         opaque
     }
 
-    /// How gradients answer the light, matt and in gloss. Of steps in which nothing is seen anything.
+    /// How gradients answer the light, matt and in gloss, if there is one. Of steps in which nothing is seen anything.
+    /// Slopes that were not found are put in.
     #[inline(always)]
-    fn shades(&self, light: &Light, found: &Found, front: &Front) -> [[f32; LINES]; 2] {
-        let mut shades = light.shares(found.cosines);
+    fn shades(&self, found: &mut Found, front: &Front) -> Option<[[f32; LINES]; 2]> {
+        let mut shades = self.light.map(|light| light.shares(found.cosines));
         let mut odd = found.odd;
         while odd != 0 {
             let n = odd.trailing_zeros() as usize;
             odd &= odd - 1;
             let way = &front.ways[n];
             let gradient = self.field.gradient(way.at(front.steps[n]));
-            let [matt, gloss] = light.answer(gradient, way.towards);
-            (shades[0][n], shades[1][n]) = (matt, gloss);
+            found.slopes[n] = length(gradient) as f32 / self.rise;
+            if let (Some(light), Some([matt, gloss])) = (&self.light, &mut shades) {
+                [matt[n], gloss[n]] = light.answer(gradient, way.towards);
+            }
         }
         shades
     }
 
     /// Where a ray goes through what is kept of the box from the first sample to the last.
     fn way(&self, ray: &Ray) -> Option<Way> {
-        let [mut near, mut far] = self.field.interval(ray)?;
-        for clip in self.clips {
-            let (beyond, along) = (clip.beyond(ray.origin), dot(clip.normal(), ray.direction));
-            let end = -beyond / along;
-            match (along > 0.0, along < 0.0) {
-                (true, _) => far = far.min(end),
-                (_, true) => near = near.max(end),
-                // Along the plane, on one side of it.
-                _ if beyond > 0.0 => return None,
-                _ => {}
-            }
-        }
+        let [near, far] = self.field.interval_within(ray, self.clips)?;
         let steps = (far - near) / self.step;
         let affine = self.field.affine();
         let (origin, direction) =

@@ -2,7 +2,8 @@
 
 use super::{Medium, RaycastError, RaycastOptions, raycast};
 use crate::{
-    Camera, CameraError, Cast, ControlPoint, Image, Light, Projection, Size, TransferFunction,
+    Camera, CameraError, Cast, ControlPoint, Image, Light, OpticalModel, Projection, Size,
+    TransferFunction,
 };
 use isokit_geom::{
     Affine, Frame, HalfSpace,
@@ -25,12 +26,12 @@ fn volume<T: Sample>(dims: [u64; 3], spacing: f64, f: impl Fn([f64; 3]) -> T) ->
 }
 
 /// A grey of the same shade for every value, and an opacity of each.
-fn opacities(range: [f64; 2], of: impl Fn(f64) -> f64) -> TransferFunction {
+fn opacities(range: [f64; 2], of: impl Fn(f64) -> f64) -> OpticalModel {
     let point = |n: u32| {
         let value = range[0] + (range[1] - range[0]) * f64::from(n) / 4000.0;
         ControlPoint { value, color: [0.5; 3], opacity: of(value) as f32 }
     };
-    TransferFunction::new((0..=4000).map(point).collect()).unwrap()
+    TransferFunction::new((0..=4000).map(point).collect()).unwrap().into()
 }
 
 fn size(n: u32) -> Size {
@@ -38,24 +39,24 @@ fn size(n: u32) -> Size {
     Size { width: n, height: n }
 }
 
-fn medium<'a, T>(view: &'a View<'a, T>, transfer: &'a TransferFunction) -> Medium<'a, T> {
-    Medium { view, bricks: None, transfer, clips: &[] }
+fn medium<'a, T>(view: &'a View<'a, T>, model: &'a OpticalModel) -> Medium<'a, T> {
+    Medium { view, bricks: None, model, clips: &[] }
 }
 
 fn picture<T: Sample>(
     volume: &Volume<T>,
-    transfer: &TransferFunction,
+    model: &OpticalModel,
     (camera, n): (&Camera, u32),
     options: &RaycastOptions,
 ) -> (Image, Cast) {
     let camera = (camera, size(n));
-    raycast(&medium(&volume.view(), transfer), camera, options, &Job::default()).unwrap()
+    raycast(&medium(&volume.view(), model), camera, options, &Job::default()).unwrap()
 }
 
 /// Along z through the middle of x and y of a volume, as one pixel sees it.
 fn through<T: Sample>(
     volume: &Volume<T>,
-    transfer: &TransferFunction,
+    model: &OpticalModel,
     options: &RaycastOptions,
 ) -> [f64; 2] {
     let bounds = volume.grid().bounds();
@@ -63,7 +64,7 @@ fn through<T: Sample>(
     let from = [middle[0], middle[1], bounds.min[2] - 3.0];
     let parallel = Projection::Parallel { height: 1e-6 };
     let camera = Camera::new(from, middle, [0.0, 1.0, 0.0], parallel).unwrap();
-    let pixel = picture(volume, transfer, (&camera, 1), options).0.pixel(0, 0);
+    let pixel = picture(volume, model, (&camera, 1), options).0.pixel(0, 0);
     [pixel.color[0].into(), pixel.opacity.into()]
 }
 
@@ -71,11 +72,11 @@ fn through<T: Sample>(
 fn a_slab_of_one_substance_gathers_the_same_at_any_step() {
     for (opacity, unit) in [(0.05, 1.0), (0.3, 2.5), (0.6, 0.8)] {
         let slab = volume([4, 4, 9], 1.5, |_| 7_u8);
-        let transfer = opacities([0.0, 10.0], |_| opacity);
+        let model = opacities([0.0, 10.0], |_| opacity);
         let exact = 1.0 - (1.0 - f64::from(opacity as f32)).powf(12.0 / unit);
         for step in [0.01, 0.1, 0.37, 1.0, 3.0, 100.0] {
             let options = PLAIN.with_step(step).with_unit(Some(unit));
-            let [color, found] = through(&slab, &transfer, &options);
+            let [color, found] = through(&slab, &model, &options);
             // Rounding adds up over the steps.
             let unseen = 2e-7 + 3e-8 * 12.0 / step;
             assert!((found - exact).abs() < unseen, "{opacity}, {step}: {found} for {exact}");
@@ -95,15 +96,14 @@ fn a_ramp_gathers_its_closed_form_at_any_step() {
     // σ = k x: 1 − e^(−k L² / 2).
     let (k, length) = (0.02_f64, 16.0_f64);
     let ramp = volume([3, 3, 17], 1.0, |[_, _, z]| z as f32);
-    let transfer = opacities([0.0, 16.0], |value| -(-k * value).exp_m1());
+    let model = opacities([0.0, 16.0], |value| -(-k * value).exp_m1());
     let exact = 1.0 - (-k * length * length / 2.0).exp();
     let bent = volume([3, 3, 17], 1.0, |[_, _, z]| (z * z / 16.0) as f32);
     // Piecewise linear between samples: the sum of trapezoids is what trilinear interpolation has.
     let sum: f64 = (0..16).map(|z| f64::from(z * z + (z + 1) * (z + 1)) / 32.0).sum();
     for (volume, exact) in [(ramp, exact), (bent, 1.0 - (-k * sum).exp())] {
         let off = |step: f64| {
-            (through(&volume, &transfer, &PLAIN.with_step(step).with_unit(Some(1.0)))[1] - exact)
-                .abs()
+            (through(&volume, &model, &PLAIN.with_step(step).with_unit(Some(1.0)))[1] - exact).abs()
         };
         for step in [0.5, 0.25, 0.125] {
             assert!(off(step) < 2e-4, "{step}: {}", off(step));
@@ -115,7 +115,7 @@ fn a_ramp_gathers_its_closed_form_at_any_step() {
 fn step_halving_is_of_order_two_where_values_bend() {
     let wave = |z: f64| (z * 0.4).sin();
     let fine = volume([3, 3, 1601], 0.01, |[_, _, z]| wave(z * 0.01) as f32);
-    let transfer = opacities([-1.0, 1.0], |value| 0.1 * (value + 1.0));
+    let model = opacities([-1.0, 1.0], |value| 0.1 * (value + 1.0));
     let exact = {
         // The midpoint rule with steps so small that nothing is left.
         let n = 400_000;
@@ -130,7 +130,7 @@ fn step_halving_is_of_order_two_where_values_bend() {
     let steps = [400.0, 200.0, 100.0, 50.0];
     let errors = steps.map(|step| {
         let options = PLAIN.with_step(step).with_unit(Some(1.0));
-        (through(&fine, &transfer, &options)[1] - exact).abs()
+        (through(&fine, &model, &options)[1] - exact).abs()
     });
     assert!((1.7..2.4).contains(&order(&errors)), "{errors:?}");
 }
@@ -144,10 +144,10 @@ fn the_middle_of_a_gaussian_ball_gathers_what_the_error_function_says() {
         (-square / (radius * radius)).exp() as f32
     });
     let density = 0.05;
-    let transfer = opacities([0.0, 1.0], |value| -(-density * value).exp_m1());
+    let model = opacities([0.0, 1.0], |value| -(-density * value).exp_m1());
     // From −24 to 24 the error function is 1 to 2·10⁻⁸.
     let exact = 1.0 - (-density * radius * std::f64::consts::PI.sqrt()).exp();
-    let [_, found] = through(&ball, &transfer, &PLAIN.with_step(0.25).with_unit(Some(1.0)));
+    let [_, found] = through(&ball, &model, &PLAIN.with_step(0.25).with_unit(Some(1.0)));
     assert!((found - exact).abs() < 1e-3, "{found} for {exact}");
 }
 
@@ -163,10 +163,13 @@ fn blobs() -> Volume<u8> {
     })
 }
 
-fn glow() -> TransferFunction {
+fn glowing() -> Vec<ControlPoint> {
     let point = |value: f64, color: &str| ControlPoint::new(value, color.parse().unwrap());
-    let points = [point(0.0, "#00000000"), point(40.0, "#20406000"), point(80.0, "#ffc080c0")];
-    TransferFunction::new(points.into()).unwrap()
+    [point(0.0, "#00000000"), point(40.0, "#20406000"), point(80.0, "#ffc080c0")].into()
+}
+
+fn glow() -> OpticalModel {
+    TransferFunction::new(glowing()).unwrap().into()
 }
 
 fn cameras(volume: &Volume<u8>) -> Vec<Camera> {
@@ -223,11 +226,11 @@ fn samples_of_every_type_and_scaling_look_the_same() {
             // What a sample means, and the function of it, change together.
             let scaling = Scaling::new(slope, intercept).unwrap();
             let place = |point: &ControlPoint| scaling.value(point.value);
-            let points = glow().points().to_vec().into_iter();
+            let points = glowing().into_iter();
             let points = points.map(|point| ControlPoint { value: place(&point), ..point });
             let mut points: Vec<_> = points.collect();
             points.sort_by(|a, b| a.value.total_cmp(&b.value));
-            let glow = TransferFunction::new(points).unwrap();
+            let glow = TransferFunction::new(points).unwrap().into();
             let volume = Volume::new(*blobs.grid(), samples.clone()).unwrap().with_scaling(scaling);
             let found = picture(&volume, &glow, (camera, 30), &RaycastOptions::DEFAULT).0;
             let pairs = found.pixels().iter().zip(expected.pixels());
@@ -264,11 +267,11 @@ fn the_top_of_a_picture_is_up_and_its_left_is_left() {
 #[test]
 fn a_camera_within_a_volume_sees_what_is_before_it() {
     let slab = volume([9, 9, 21], 1.0, |_| 7_u8);
-    let transfer = opacities([0.0, 10.0], |_| 0.1);
+    let model = opacities([0.0, 10.0], |_| 0.1);
     let up = [0.0, 1.0, 0.0];
     let inside = Projection::Perspective { fov: 1e-6 };
     let camera = Camera::new([4.0, 4.0, 8.0], [4.0, 4.0, 9.0], up, inside).unwrap();
-    let found = picture(&slab, &transfer, (&camera, 1), &PLAIN.with_unit(Some(1.0))).0.pixel(0, 0);
+    let found = picture(&slab, &model, (&camera, 1), &PLAIN.with_unit(Some(1.0))).0.pixel(0, 0);
     assert!((found.opacity - (1.0 - 0.9_f32.powi(12))).abs() < 1e-5, "{found:?}");
 }
 
@@ -278,15 +281,15 @@ fn what_is_not_a_number_is_not_seen_and_flat_volumes_have_no_depth() {
     let camera =
         Camera::framing(holes.grid().bounds(), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]), None, 1.0)
             .unwrap();
-    let transfer = opacities([0.0, 100.0], |_| 0.5);
-    let image = picture(&holes, &transfer, (&camera, 16), &RaycastOptions::DEFAULT).0;
+    let model = opacities([0.0, 100.0], |_| 0.5);
+    let image = picture(&holes, &model, (&camera, 16), &RaycastOptions::DEFAULT).0;
     // Looking along z with y up, x goes to the left.
     assert!(image.pixel(3, 8).opacity > 0.9 && image.pixel(12, 8).opacity == 0.0);
     let flat = volume([9, 9, 1], 1.0, |_| 60_u8);
-    let image = picture(&flat, &transfer, (&camera, 16), &RaycastOptions::DEFAULT).0;
+    let image = picture(&flat, &model, (&camera, 16), &RaycastOptions::DEFAULT).0;
     assert!(image.pixels().iter().all(|pixel| pixel.opacity == 0.0));
     let none = volume([3, 3, 3], 1.0, |_| f64::NAN);
-    let image = picture(&none, &transfer, (&camera, 4), &RaycastOptions::DEFAULT).0;
+    let image = picture(&none, &model, (&camera, 4), &RaycastOptions::DEFAULT).0;
     assert!(image.pixels().iter().all(|pixel| pixel.opacity == 0.0));
 }
 
@@ -313,13 +316,13 @@ fn lengths_of_no_use_are_refused() {
 #[test]
 fn planes_leave_what_is_within_all_of_them() {
     let slab = volume([9, 9, 41], 0.5, |_| 1.0_f32);
-    let transfer = opacities([0.0, 2.0], |_| 0.1);
+    let model = opacities([0.0, 2.0], |_| 0.1);
     let view = slab.view();
     let along = Projection::Parallel { height: 1e-6 };
     let camera = Camera::new([2.0, 2.0, -3.0], [2.0; 3], [0.0, 1.0, 0.0], along).unwrap();
     let gathered = |halves: &[([f64; 3], f64)]| {
         let clips: Vec<_> = halves.iter().map(|&(n, d)| HalfSpace::new(n, d).unwrap()).collect();
-        let medium = Medium { clips: &clips, ..medium(&view, &transfer) };
+        let medium = Medium { clips: &clips, ..medium(&view, &model) };
         let camera = (&camera, size(1));
         raycast(&medium, camera, &PLAIN, &Job::default()).unwrap().0.pixel(0, 0).opacity
     };
@@ -365,12 +368,12 @@ fn a_sheared_and_mirrored_lattice_is_lit_by_its_normals_in_the_world() {
         (0..3).map(|k| slope[k] * place[k]).sum::<f64>()
     };
     let volume = Volume::new(grid, (0..grid.count()).map(value).collect::<Vec<f64>>()).unwrap();
-    let transfer = opacities([-100.0, 100.0], |_| 0.4);
+    let model = opacities([-100.0, 100.0], |_| 0.4);
     let light = Light { specular: 0.0, ..Light::DEFAULT };
     let options = RaycastOptions::DEFAULT.with_light(Some(light));
     for forward in [[0.0, 1.0, 0.0], [-0.4, 0.2, 0.8], [1.0, 1.0, -1.0]] {
         let camera = Camera::framing(grid.bounds(), (forward, [0.0, 0.1, 1.0]), None, 1.0).unwrap();
-        let pixel = picture(&volume, &transfer, (&camera, 9), &options).0.pixel(4, 4);
+        let pixel = picture(&volume, &model, (&camera, 9), &options).0.pixel(4, 4);
         let cosine = dot(slope, forward).abs() / (length(slope) * length(forward));
         let expected = 0.5 * (0.25 + 0.75 * cosine);
         let found = f64::from(pixel.straight()[0]);

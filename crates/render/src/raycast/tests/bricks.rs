@@ -1,7 +1,10 @@
 //! With bricks and without them a picture is the same, bit for bit.
 
 use super::{PLAIN, blobs, cameras, glow, medium, picture, size, volume};
-use crate::{Camera, Cast, ControlPoint, Image, Medium, RaycastOptions, TransferFunction, raycast};
+use crate::{
+    Camera, Cast, ControlPoint, Image, Medium, OpticalModel, RaycastOptions, TransferFunction,
+    raycast,
+};
 use isokit_job::Job;
 use isokit_volume::{Bricks, Sample, Scaling, Volume};
 
@@ -9,12 +12,12 @@ use isokit_volume::{Bricks, Sample, Scaling, Volume};
 fn with<T: Sample>(
     bricks: &Bricks<T>,
     volume: &Volume<T>,
-    transfer: &TransferFunction,
+    model: &OpticalModel,
     (camera, n): (&Camera, u32),
     options: &RaycastOptions,
 ) -> (Image, Cast) {
     let view = volume.view();
-    let medium = Medium { bricks: Some(bricks), ..medium(&view, transfer) };
+    let medium = Medium { bricks: Some(bricks), ..medium(&view, model) };
     raycast(&medium, (camera, size(n)), options, &Job::default()).unwrap()
 }
 
@@ -65,11 +68,11 @@ fn bricks_change_no_bit_whatever_samples_mean() {
         let points = ends.iter().zip([0.0, 0.3, 0.0]);
         let points =
             points.map(|(&value, opacity)| ControlPoint { value, color: [1.0; 3], opacity });
-        let transfer = TransferFunction::new(points.collect()).unwrap();
+        let model = TransferFunction::new(points.collect()).unwrap().into();
         let camera = cameras(&blobs()).remove(1);
-        let plain = picture(&volume, &transfer, (&camera, 40), &RaycastOptions::DEFAULT).0;
+        let plain = picture(&volume, &model, (&camera, 40), &RaycastOptions::DEFAULT).0;
         let options = RaycastOptions::DEFAULT;
-        let found = with(&bricks, &volume, &transfer, (&camera, 40), &options);
+        let found = with(&bricks, &volume, &model, (&camera, 40), &options);
         assert!(found.0 == plain, "{slope}, {intercept}");
         assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.1), "{slope}: nothing is seen");
     }

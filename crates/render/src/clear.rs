@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// For each block of a volume how far around it nothing can be seen.
 #[derive(Clone, Debug)]
-pub(super) struct Clear {
+pub(crate) struct Clear {
     /// Blocks along x, y, z.
     counts: [usize; 3],
     /// In blocks along each axis, and diagonally: 0 if something in the block itself can be seen, 1 if nothing in it can,
@@ -17,7 +17,7 @@ pub(super) struct Clear {
 }
 
 /// Cells of a block along each axis.
-const CELLS: usize = 4;
+pub(crate) const CELLS: usize = 4;
 
 /// Blocks of a brick along x, y, z: a brick is a word of cells long, and two blocks wide and deep.
 const BLOCKS: [usize; 3] = [WORD / CELLS, 2, 2];
@@ -36,7 +36,7 @@ impl Clear {
     /// # Errors
     ///
     /// If the job is cancelled or does not allow a byte for each block.
-    pub(super) fn new<T: Sample>(
+    pub(crate) fn new<T: Sample>(
         view: &View<'_, T>,
         bricks: &Bricks<T>,
         lookup: &Lookup<'_>,
@@ -65,12 +65,20 @@ impl Clear {
     }
 
     /// The blocks, for leaps.
-    pub(super) fn blocks(&self) -> Option<Blocks<'_>> {
+    pub(crate) fn blocks(&self) -> Option<Blocks<'_>> {
         Blocks::new(self.counts, CELLS as u16, &self.reach)
     }
 
+    /// The numbers of blocks no farther than so many blocks from one of which something can be seen, in the order of
+    /// memory.
+    pub(crate) fn near(&self, blocks: u8) -> impl Iterator<Item = [usize; 3]> {
+        let [nx, ny, _] = self.counts;
+        let near = self.reach.iter().enumerate().filter(move |&(_, reach)| *reach <= blocks);
+        near.map(move |(n, _)| [n % nx, n / nx % ny, n / nx / ny])
+    }
+
     /// Whether nothing can be seen in the block that a place of index space, in the volume, is in.
-    pub(super) fn is_clear(&self, place: [f64; 3]) -> bool {
+    pub(crate) fn is_clear(&self, place: [f64; 3]) -> bool {
         let block = |axis: usize| (place[axis] as usize / CELLS).min(self.counts[axis] - 1);
         self.reach[block(0) + self.counts[0] * (block(1) + self.counts[1] * block(2))] > 0
     }
@@ -219,8 +227,8 @@ mod tests {
         let point = |value: f64, rgba: &str| ControlPoint::new(value, rgba.parse().unwrap());
         let band =
             [point(100.0, "#ffffff00"), point(110.0, "#ffffff80"), point(120.0, "#ffffff00")];
-        let band = TransferFunction::new(band.into()).unwrap();
-        let lookup = Lookup::new(&band, 1.0);
+        let band = TransferFunction::new(band.into()).unwrap().into();
+        let lookup = Lookup::new(&band, 1.0, 1.0);
         let mut chance = chance();
         for dims in [[2, 2, 2], [65, 9, 17], [66, 10, 3], [130, 5, 18], [64, 4, 30]] {
             let grid = Grid::new(dims, Default::default()).unwrap();
