@@ -90,9 +90,9 @@ fn walls(image: &Image) -> Vec<u32> {
 fn differing(scan: &Scan, iso: f64) -> (Vec<usize>, Vec<bool>) {
     let (color, name) = ([1.0; 3], "one".to_owned());
     let scene = Scene {
-        surfaces: vec![SurfaceLook { name, iso: Some(iso), color, opacity: 0.5 }],
+        surfaces: vec![SurfaceLook { name, iso: Some(iso), color, opacity: 0.5, texture: None }],
         clips: vec![],
-        transfer: None,
+        model: None,
         viewpoint: Viewpoint::At {
             from: [70.0, -90.0, 60.0],
             at: None,

@@ -11,7 +11,7 @@ mod target;
 pub(crate) use convert::{ConvertPlan, ConvertTo};
 pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
 pub(crate) use palette::color;
-pub(crate) use render::{LookPlan, RenderPlan, Subject, TransferPlan};
+pub(crate) use render::{FadePlan, LookPlan, ModelPlan, RenderPlan, Subject};
 pub(crate) use target::{MeshTarget, Stream, TextTarget};
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ pub(crate) struct SceneFile {
     pub(crate) surface: Vec<SurfaceTable>,
     #[serde(default)]
     pub(crate) clip: Vec<ClipTable>,
+    #[serde(default)]
+    pub(crate) material: Vec<MaterialTable>,
     pub(crate) transfer: Option<TransferTable>,
     #[serde(default)]
     pub(crate) camera: CameraTable,
@@ -41,6 +43,38 @@ pub(crate) struct SurfaceTable {
     pub(crate) iso: IsoChoice,
     pub(crate) color: Option<Color>,
     pub(crate) opacity: Option<f32>,
+    pub(crate) texture: Option<TextureTable>,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TextureTable {
+    pub(crate) pattern: PatternWord,
+    /// In world units.
+    pub(crate) size: f64,
+    /// If there is one, the other is the surface's.
+    pub(crate) colors: Vec<Color>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum PatternWord {
+    Checker,
+    Marble,
+    Wood,
+    Granite,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MaterialTable {
+    /// For those who read the file.
+    #[serde(rename = "name")]
+    pub(crate) _name: Option<String>,
+    /// Pure from one value to the other.
+    pub(crate) values: [f64; 2],
+    pub(crate) color: Color,
+    pub(crate) density: Option<f64>,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq)]
@@ -62,12 +96,32 @@ pub(crate) enum CapWord {
     Slice,
 }
 
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TransferTable {
     pub(crate) points: Option<Vec<(f64, Color)>>,
     pub(crate) preset: Option<PresetWord>,
+    /// Functions of values at slopes.
+    pub(crate) rows: Option<Vec<RowTable>>,
+    pub(crate) gradient: Option<Fade>,
     pub(crate) unit: Option<f64>,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RowTable {
+    /// In values per world unit.
+    pub(crate) gradient: f64,
+    pub(crate) points: Vec<(f64, Color)>,
+}
+
+/// Whether what is even fades.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(untagged, expecting = "expected true, false or a slope in values per world unit")]
+pub(crate) enum Fade {
+    Word(bool),
+    /// What is as steep as that, or more, does not.
+    Slope(f64),
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, clap::ValueEnum)]
@@ -141,6 +195,8 @@ pub(crate) struct LightTable {
     pub(crate) diffuse: Option<f32>,
     pub(crate) specular: Option<f32>,
     pub(crate) shininess: Option<u16>,
+    /// What the surface between two materials hides.
+    pub(crate) surface: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
@@ -149,6 +205,7 @@ pub(crate) enum ShadingWord {
     #[default]
     Gradient,
     None,
+    Mixture,
 }
 
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
@@ -174,6 +231,15 @@ pub(crate) enum ModeWord {
     IsoRaycast,
     /// The values themselves, through a transfer function
     Raycast,
+    /// The same by samples that are laid on each other: softer
+    Splat,
+}
+
+impl ModeWord {
+    /// Whether values are shown, and not surfaces.
+    pub(crate) fn shows_values(self) -> bool {
+        matches!(self, Self::Raycast | Self::Splat)
+    }
 }
 
 /// A colour in a file.
@@ -243,85 +309,4 @@ fn iso<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IsoChoice, D::Error
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{At, CapWord, Color, Ground, ModeWord, PresetWord, SceneFile};
-    use isokit::{mesh::Rgba, pipeline::IsoChoice};
-
-    fn refusal(text: &str) -> String {
-        toml::from_str::<SceneFile>(text).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn everything_that_a_scene_may_say_is_read() {
-        let scene: SceneFile = toml::from_str(
-            r##"
-            [volume]
-            path = "head.nii.gz"
-            [[surface]]
-            name = "skin"
-            iso = -300
-            color = "#d8a580"
-            opacity = 0.35
-            [[surface]]
-            iso = "50%"
-            [[clip]]
-            plane = [1, 0.0, 0.0, 12.5]
-            surfaces = ["skin"]
-            cap = "slice"
-            [transfer]
-            points = [[-1000, "#00000000"], [300.5, "#e8dcc0c0"]]
-            unit = 1.5
-            [camera]
-            projection = "perspective"
-            from = [300, -400, 120]
-            at = "center"
-            up = [0, 0, 1]
-            fov = 30
-            [light]
-            shading = "gradient"
-            specular = 0.3
-            [sampling]
-            step = 0.25
-            [output]
-            size = [1024, 768]
-            mode = "surfaces"
-            background = "#ffffff"
-            "##,
-        )
-        .unwrap();
-        assert_eq!(scene.surface[0].iso, IsoChoice::Value(-300.0));
-        assert_eq!(scene.surface[1].iso, IsoChoice::Percent(50.0));
-        assert_eq!(scene.clip[0].plane, [1.0, 0.0, 0.0, 12.5]);
-        assert_eq!(scene.clip[0].cap, CapWord::Slice);
-        let points = scene.transfer.unwrap().points.unwrap();
-        assert_eq!(points[1], (300.5, Color(Rgba([0xe8, 0xdc, 0xc0, 0xc0]))));
-        assert!(matches!(scene.camera.at, Some(At::Center(_))));
-        assert_eq!(scene.output.mode, Some(ModeWord::Surfaces));
-        assert_eq!(scene.output.background, Some(Ground::Color(Rgba([255; 4]))));
-        let preset: SceneFile = toml::from_str("[transfer]\npreset = \"ct-bone\"").unwrap();
-        assert_eq!(preset.transfer.unwrap().preset, Some(PresetWord::CtBone));
-    }
-
-    #[test]
-    fn a_word_too_many_is_refused_with_its_line() {
-        let found = refusal("[camera]\nview = \"left\"\nzoom = 3\n");
-        assert!(found.contains("line 3") && found.contains("unknown field `zoom`"), "{found}");
-        for (text, says) in [
-            (
-                "[output]\nmode = \"splat\"",
-                "unknown variant `splat`, expected one of `surfaces`, `iso-raycast`, `raycast`",
-            ),
-            ("[output]\nbackground = \"#ffffff80\"", "expected transparent or an opaque #rrggbb"),
-            ("[[surface]]\niso = \"bone\"", "expected a number, a percentage"),
-            ("[[surface]]\niso = nan", "an isovalue is finite"),
-            ("[[surface]]\niso = true", "\"auto\" or a percentage"),
-            ("[[surface]]\niso = 1\ncolor = \"red\"", "expected #rrggbb or #rrggbbaa"),
-            ("[[clip]]\nplane = [1, 0, 0]", "length"),
-            ("[camera]\nat = \"middle\"", "expected \"center\" or three numbers"),
-            ("[volume]\n", "missing field `path`"),
-        ] {
-            let found = refusal(text);
-            assert!(found.contains(says), "{text}: {found}");
-        }
-    }
-}
+mod tests;

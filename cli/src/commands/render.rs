@@ -3,7 +3,7 @@
 use super::write_text;
 use crate::{
     Exit, Session,
-    plan::{LookPlan, RenderPlan, Stream, Subject, TransferPlan, color},
+    plan::{FadePlan, LookPlan, ModelPlan, RenderPlan, Stream, Subject, color},
     report::{
         DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings, VolumeFacts, timed,
         to_json,
@@ -17,8 +17,8 @@ use isokit::{
     io::{Output, read_mesh},
     mesh::TriMesh,
     pipeline::{IsoChoice, Region, Scan, TargetSpace},
-    render::{Image, write_png},
-    scene::{Scene, SurfaceLook},
+    render::{Image, OpticalModel, SlopeFunction, write_png},
+    scene::{Scene, SurfaceLook, full_slope},
 };
 use std::{
     io::{BufWriter, Write},
@@ -55,7 +55,7 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let mut skipped = RenderSkipped::default();
     if let (Some(scan), true) = (&seen.scan, wants_needs) {
         let needs = match plan.mode {
-            ModeWord::Raycast => seen.scene.needs_of_rays(scan, &session.job)?,
+            mode if mode.shows_values() => seen.scene.needs_of_rays(scan, &session.job)?,
             _ => seen.scene.needs(scan, &session.job)?,
         };
         skipped = RenderSkipped::of(&needs);
@@ -96,7 +96,7 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
     let mut scene = Scene {
         surfaces: vec![],
         clips: plan.clips.clone(),
-        transfer: None,
+        model: None,
         viewpoint: plan.viewpoints[0],
         raster: plan.raster,
         raycast: plan.raycast,
@@ -108,14 +108,9 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
             scan.notes().iter().for_each(|note| session.console.note(note));
             let look = |look: &LookPlan| surface_look(look, &scan, session);
             scene.surfaces = plan.surfaces.iter().map(look).collect::<Result<_>>()?;
-            let needs_transfer = plan.mode == ModeWord::Raycast || scene.has_slices();
-            scene.transfer = match &plan.transfer {
-                TransferPlan::Points(points) => Some(points.clone()),
-                TransferPlan::Preset(preset) if needs_transfer => {
-                    Some(preset.transfer(&scan, &session.job)?)
-                }
-                TransferPlan::Preset(_) => None,
-            };
+            if plan.mode.shows_values() || scene.has_slices() {
+                scene.model = Some(model(&plan.model, &scan, session)?);
+            }
             let input = match plan.report {
                 None => None,
                 Some(_) => {
@@ -134,7 +129,13 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
             for (n, surface) in input.surfaces.into_iter().enumerate() {
                 let [r, g, b, opacity] = surface.color.unwrap_or(color(n)).to_linear();
                 let name = surface.name;
-                scene.surfaces.push(SurfaceLook { name, iso: None, color: [r, g, b], opacity });
+                scene.surfaces.push(SurfaceLook {
+                    name,
+                    iso: None,
+                    color: [r, g, b],
+                    opacity,
+                    texture: None,
+                });
                 meshes.push(surface.mesh);
             }
             // A picture of nothing has a camera too.
@@ -146,6 +147,26 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
     }
 }
 
+/// What values look like. What was chosen for the user is told.
+fn model(plan: &ModelPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<OpticalModel> {
+    let (function, fade) = match plan {
+        ModelPlan::Mixture(mixture) => return Ok(mixture.clone().into()),
+        ModelPlan::Rows(slopes) => return Ok(slopes.clone().into()),
+        ModelPlan::Points(function, fade) => (function.clone(), fade),
+        ModelPlan::Preset(preset, fade) => (preset.transfer(scan, &session.job)?, fade),
+    };
+    let full = match fade {
+        None => return Ok(function.into()),
+        Some(FadePlan::Slope(slope)) => *slope,
+        Some(FadePlan::Auto) => {
+            let slope = full_slope(scan, &function, &session.job)?;
+            session.console.note(&format!("gradient is {slope} here"));
+            slope
+        }
+    };
+    Ok(SlopeFunction::fading(function, full)?.into())
+}
+
 /// A surface with the isovalue that was meant. What was chosen for the user is told.
 fn surface_look(look: &LookPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<SurfaceLook> {
     let iso = scan.iso(look.iso, &session.job)?;
@@ -154,7 +175,8 @@ fn surface_look(look: &LookPlan, scan: &Scan, session: &Session<'_, '_>) -> Resu
     }
     let name = look.name.clone().unwrap_or_else(|| format!("iso_{iso}"));
     let [r, g, b, _] = look.color.to_linear();
-    Ok(SurfaceLook { name, iso: Some(iso), color: [r, g, b], opacity: look.opacity })
+    let LookPlan { opacity, texture, .. } = *look;
+    Ok(SurfaceLook { name, iso: Some(iso), color: [r, g, b], opacity, texture })
 }
 
 /// Makes and writes one picture after the other.
@@ -172,6 +194,11 @@ fn pictures(
                 (ModeWord::Raycast, Some(scan)) => {
                     let (image, cast) = seen.scene.cast(scan, size, &job)?;
                     skipped.add_cast(&cast);
+                    Ok(image)
+                }
+                (ModeWord::Splat, Some(scan)) => {
+                    let (image, splatted) = seen.scene.splat(scan, size, &job)?;
+                    skipped.add_splatted(&splatted);
                     Ok(image)
                 }
                 (ModeWord::IsoRaycast, Some(scan)) => {
@@ -216,7 +243,7 @@ fn write(
 }
 
 fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {
-    if plan.mode == ModeWord::Raycast {
+    if plan.mode.shows_values() {
         return vec![];
     }
     let looks = seen.scene.surfaces.iter().enumerate();
@@ -249,7 +276,7 @@ fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String
     let pictures = counted(plan.viewpoints.len() as u64, "picture", "pictures");
     let [width, height] = [plan.size.width, plan.size.height];
     let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
-    if plan.mode != ModeWord::Raycast {
+    if !plan.mode.shows_values() {
         for (n, look) in seen.scene.surfaces.iter().enumerate() {
             let why = skipped.surfaces.iter().find(|skipped| skipped.number == n);
             let what = match (why, look.iso) {
@@ -263,7 +290,7 @@ fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String
             lines.push(format!("  {}: {what}", look.name));
         }
     } else if !seen.scene.surfaces.is_empty() {
-        lines.push("not computed: surfaces and caps, which rays through values do not show".into());
+        lines.push("not computed: surfaces and caps, which pictures of values do not show".into());
     }
     lines.extend(skipped_lines(plan.mode, skipped));
     lines.join("\n") + "\n"
@@ -275,17 +302,21 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
         (all > 0).then(|| format!("skipped {} of {} {what}", grouped(part), grouped(all)))
     };
     let triangles = skipped.triangles + skipped.triangles_skipped;
+    let of_samples = match mode {
+        ModeWord::Splat => "samples, which give nothing to what can be seen",
+        _ => "samples, which planes cut away",
+    };
     let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
     [
         (skipped.bricks > 0).then(|| {
             let what = match mode {
-                ModeWord::Raycast => "nothing that can be seen",
+                mode if mode.shows_values() => "nothing that can be seen",
                 _ => "no surface that can be seen",
             };
             let [part, all] = [skipped.bricks_skipped, skipped.bricks].map(grouped);
             format!("{part} of {all} bricks hold {what}")
         }),
-        of(skipped.samples_skipped, skipped.samples, "samples, which planes cut away"),
+        of(skipped.samples_skipped, skipped.samples, of_samples),
         of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
         of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
         of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),
@@ -304,5 +335,6 @@ fn mode_name(mode: ModeWord) -> &'static str {
         ModeWord::Surfaces => "surfaces",
         ModeWord::IsoRaycast => "iso-raycast",
         ModeWord::Raycast => "raycast",
+        ModeWord::Splat => "splat",
     }
 }

@@ -1,12 +1,17 @@
 //! What `render` will do.
 
+mod model;
+mod viewpoint;
+
+pub(crate) use model::{FadePlan, ModelPlan};
+
 use super::{Stream, TextTarget, palette, places::Places, target::mesh_format};
 use crate::{
     args::{LevelArg, RenderArgs},
     fault::UsageError,
     scene_file::{
-        At, CameraTable, CapWord, ClipTable, Color, Ground, LightTable, ModeWord, PresetWord,
-        ProjectionWord, SceneFile, ShadingWord, SideWord, SurfaceTable, TransferTable,
+        CapWord, ClipTable, Color, Ground, ModeWord, PatternWord, SceneFile, SurfaceTable,
+        TextureTable,
     },
 };
 use anyhow::Result;
@@ -15,11 +20,8 @@ use isokit::{
     io::VolumeOptions,
     mesh::Rgba,
     pipeline::IsoChoice,
-    render::{
-        Background, ControlPoint, Depth, Light, Projection, RasterOptions, RaycastOptions, Side,
-        Size, TransferFunction,
-    },
-    scene::{CapStyle, Clip, Preset, Viewpoint},
+    render::{Background, Depth, Pattern, RasterOptions, RaycastOptions, Size, SolidTexture},
+    scene::{CapStyle, Clip, Viewpoint},
 };
 use std::{
     num::NonZeroU32,
@@ -33,7 +35,7 @@ pub(crate) struct RenderPlan {
     pub(crate) mode: ModeWord,
     pub(crate) surfaces: Vec<LookPlan>,
     pub(crate) clips: Vec<Clip>,
-    pub(crate) transfer: TransferPlan,
+    pub(crate) model: ModelPlan,
     /// Where each picture is taken from.
     pub(crate) viewpoints: Vec<Viewpoint>,
     pub(crate) raster: RasterOptions,
@@ -61,18 +63,11 @@ pub(crate) struct LookPlan {
     pub(crate) name: Option<String>,
     pub(crate) color: Rgba,
     pub(crate) opacity: f32,
-}
-
-/// What values look like.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum TransferPlan {
-    Points(TransferFunction),
-    Preset(Preset),
+    pub(crate) texture: Option<SolidTexture>,
 }
 
 /// What a picture is without other words.
 const SIZE: [u32; 2] = [1024, 1024];
-const FOV: f64 = 30.0;
 const WHITE: Rgba = Rgba([u8::MAX; 4]);
 
 impl RenderPlan {
@@ -92,7 +87,7 @@ impl RenderPlan {
         check_subject(&subject, mode, &surfaces)?;
         let clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
         check_use(&args, mode, &clips)?;
-        let viewpoint = viewpoint(&args, &file.camera)?;
+        let viewpoint = viewpoint::of(&args, &file.camera)?;
         let [width, height] = file.output.size.unwrap_or(SIZE);
         let sides = NonZeroU32::new(width).zip(NonZeroU32::new(height));
         let size = sides.map(|(width, height)| Size { width, height });
@@ -100,8 +95,9 @@ impl RenderPlan {
             .size
             .or(size)
             .ok_or_else(|| UsageError("[output] size: expected two numbers above 0".into()))?;
-        let light = light(&file.light)?;
-        let (transfer, unit) = transfer(args.preset, file.transfer.as_ref())?;
+        let light = model::light(&file.light)?;
+        let model = model::of(args.preset, &file, mode)?;
+        let unit = file.transfer.as_ref().and_then(|table| table.unit);
         let (targets, report) = targets(&args, &subject)?;
         let step = file.sampling.step.unwrap_or(RaycastOptions::DEFAULT.step);
         Ok(Self {
@@ -109,8 +105,8 @@ impl RenderPlan {
             mode,
             surfaces,
             clips,
-            transfer,
-            viewpoints: around(viewpoint, args.frames.map_or(1, usize::from))?,
+            model,
+            viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from))?,
             raster: RasterOptions::DEFAULT
                 .with_light(light)
                 .with_smoothing(args.smoothing.unwrap_or_default().into()),
@@ -154,7 +150,7 @@ fn check_subject(
     surfaces: &[LookPlan],
 ) -> Result<(), UsageError> {
     let says = match (subject, mode) {
-        (Subject::Mesh(_), ModeWord::Raycast | ModeWord::IsoRaycast) => {
+        (Subject::Mesh(_), ModeWord::Raycast | ModeWord::IsoRaycast | ModeWord::Splat) => {
             "a mesh has no values for rays to go through: leave out --mode"
         }
         (Subject::Mesh(_), _) if !surfaces.is_empty() => "a mesh has no values: leave out --iso",
@@ -168,13 +164,12 @@ fn check_subject(
 
 /// That what was typed is of use for what is shown.
 fn check_use(args: &RenderArgs, mode: ModeWord, clips: &[Clip]) -> Result<(), UsageError> {
-    let is_raycast = mode == ModeWord::Raycast;
-    let shows_values = is_raycast || clips.iter().any(|clip| clip.cap == CapStyle::Slice);
+    let shows_values = mode.shows_values() || clips.iter().any(|clip| clip.cap == CapStyle::Slice);
     let says = match (args.preset, args.smoothing) {
         (Some(_), _) if !shows_values => {
-            "--preset is for rays through values, and for slices: add --mode raycast, or leave it out"
+            "--preset is for values and slices of them: add --mode raycast, or leave it out"
         }
-        (_, Some(_)) if is_raycast => "--smoothing is for surfaces: leave it out",
+        (_, Some(_)) if mode.shows_values() => "--smoothing is for surfaces: leave it out",
         _ => return Ok(()),
     };
     Err(UsageError(says.into()))
@@ -185,7 +180,7 @@ fn surfaces(typed: &[LevelArg], file: &[SurfaceTable]) -> Result<Vec<LookPlan>, 
     let of_typed = |(n, level): (usize, &LevelArg)| {
         let color = level.color.unwrap_or(palette::color(n));
         let opacity = f32::from(color.0[3]) / 255.0;
-        LookPlan { iso: level.iso, name: level.name.clone(), color, opacity }
+        LookPlan { iso: level.iso, name: level.name.clone(), color, opacity, texture: None }
     };
     if !typed.is_empty() {
         return Ok(typed.iter().enumerate().map(of_typed).collect());
@@ -193,15 +188,38 @@ fn surfaces(typed: &[LevelArg], file: &[SurfaceTable]) -> Result<Vec<LookPlan>, 
     let of_file = |(n, surface): (usize, &SurfaceTable)| {
         let color = surface.color.map_or(palette::color(n), |Color(color)| color);
         let opacity = surface.opacity.unwrap_or(f32::from(color.0[3]) / 255.0);
-        match (0.0..=1.0).contains(&opacity) {
-            true => Ok(LookPlan { iso: surface.iso, name: surface.name.clone(), color, opacity }),
-            false => Err(UsageError(format!(
-                "[[surface]] {}: expected an opacity from 0 to 1, found {opacity}",
-                n + 1
-            ))),
+        let number = n + 1;
+        if !(0.0..=1.0).contains(&opacity) {
+            let says = format!("expected an opacity from 0 to 1, found {opacity}");
+            return Err(UsageError(format!("[[surface]] {number}: {says}")));
         }
+        let texture = surface.texture.as_ref().map(|table| texture(table, color));
+        let texture = texture
+            .transpose()
+            .map_err(|says| UsageError(format!("[[surface]] {number}, texture: {says}")))?;
+        Ok(LookPlan { iso: surface.iso, name: surface.name.clone(), color, opacity, texture })
     };
     file.iter().enumerate().map(of_file).collect()
+}
+
+/// The texture of a surface of such a colour.
+fn texture(table: &TextureTable, own: Rgba) -> Result<SolidTexture, String> {
+    let color = |rgba: Rgba| {
+        let [r, g, b, _] = rgba.to_linear();
+        [r, g, b]
+    };
+    let colors = match table.colors[..] {
+        [Color(second)] => [own, second],
+        [Color(first), Color(second)] => [first, second],
+        _ => return Err(format!("expected one or two colors, found {}", table.colors.len())),
+    };
+    let pattern = match table.pattern {
+        PatternWord::Checker => Pattern::Checker,
+        PatternWord::Marble => Pattern::Marble,
+        PatternWord::Wood => Pattern::Wood,
+        PatternWord::Granite => Pattern::Granite,
+    };
+    SolidTexture::new(pattern, colors.map(color), table.size).map_err(|error| error.to_string())
 }
 
 fn clip(table: &ClipTable) -> Result<Clip, UsageError> {
@@ -214,130 +232,6 @@ fn clip(table: &ClipTable) -> Result<Clip, UsageError> {
         CapWord::Slice => CapStyle::Slice,
     };
     Ok(Clip { half, surfaces: table.surfaces.clone(), cap })
-}
-
-/// What values look like, and over which length.
-fn transfer(
-    typed: Option<PresetWord>,
-    table: Option<&TransferTable>,
-) -> Result<(TransferPlan, Option<f64>), UsageError> {
-    let unit = table.and_then(|table| table.unit);
-    let points = table.and_then(|table| table.points.as_ref());
-    let named = table.and_then(|table| table.preset);
-    if points.is_some() && named.is_some() {
-        let says = "[transfer]: expected either points or a preset, found both";
-        return Err(UsageError(says.into()));
-    }
-    let plan = match (typed, points) {
-        (None, Some(points)) => {
-            let points = points.iter().map(|&(value, Color(rgba))| ControlPoint::new(value, rgba));
-            let function = TransferFunction::new(points.collect());
-            TransferPlan::Points(
-                function.map_err(|error| UsageError(format!("[transfer] points: {error}")))?,
-            )
-        }
-        _ => TransferPlan::Preset(match typed.or(named) {
-            None | Some(PresetWord::Auto) => Preset::Auto,
-            Some(PresetWord::CtBone) => Preset::CtBone,
-            Some(PresetWord::CtSkin) => Preset::CtSkin,
-        }),
-    };
-    Ok((plan, unit))
-}
-
-fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
-    let LightTable { shading, ambient, diffuse, specular, shininess } = table.clone();
-    let default = Light::DEFAULT;
-    let light = Light {
-        ambient: ambient.unwrap_or(default.ambient),
-        diffuse: diffuse.unwrap_or(default.diffuse),
-        specular: specular.unwrap_or(default.specular),
-        shininess: shininess.unwrap_or(default.shininess),
-    };
-    let shares = [light.ambient, light.diffuse, light.specular];
-    if !shares.iter().all(|share| (0.0..=1.0).contains(share)) {
-        let says = "[light]: expected ambient, diffuse and specular from 0 to 1, found";
-        return Err(UsageError(format!("{says} {shares:?}")));
-    }
-    Ok((shading == ShadingWord::Gradient).then_some(light))
-}
-
-/// From where it is seen: from a place if the file has one and no side was typed, else from a side.
-fn viewpoint(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, UsageError> {
-    let refuse = |says: &str| Err(UsageError(format!("[camera]: {says}")));
-    let is_parallel = match table.projection {
-        _ if args.fov.is_some() => false,
-        Some(projection) => args.parallel || projection == ProjectionWord::Parallel,
-        None => args.parallel || table.height.is_some(),
-    };
-    let fov = args.fov.or(table.fov).unwrap_or(FOV);
-    if table.fov.is_some() && table.height.is_some() {
-        return refuse(
-            "fov is for a perspective and height for a parallel projection: leave out one",
-        );
-    }
-    match table.projection {
-        Some(ProjectionWord::Perspective) if table.height.is_some() => {
-            return refuse("height is for a parallel projection, not for a perspective");
-        }
-        Some(ProjectionWord::Parallel) if table.fov.is_some() => {
-            return refuse("fov is for a perspective, not for a parallel projection");
-        }
-        _ => {}
-    }
-    if !table.orbit.is_none_or(f64::is_finite) {
-        return refuse("orbit: expected degrees, a finite number");
-    }
-    if let (Some(from), None) = (table.from, args.view) {
-        if table.view.is_some() || table.orbit.is_some() {
-            return refuse("expected either from or view and orbit, found both");
-        }
-        if args.orbit.is_some() {
-            let says = "--orbit goes around what is seen from a side: add --view";
-            return Err(UsageError(says.into()));
-        }
-        let at = match table.at {
-            None | Some(At::Center(_)) => None,
-            Some(At::Place(place)) => Some(place),
-        };
-        let projection = match (is_parallel, table.height) {
-            (true, Some(height)) => Projection::Parallel { height },
-            (true, None) => return refuse("a parallel projection from a place needs a height"),
-            (false, _) => Projection::Perspective { fov },
-        };
-        let up = table.up.unwrap_or([0.0, 0.0, 1.0]);
-        return Ok(Viewpoint::At { from, at, up, projection });
-    }
-    if table.from.is_none() && (table.at.is_some() || table.up.is_some() || table.height.is_some())
-    {
-        return refuse("at, up and height are for a camera at a place: add from");
-    }
-    let side = match args.view.or(table.view).unwrap_or_default() {
-        SideWord::Anterior => Side::Anterior,
-        SideWord::Posterior => Side::Posterior,
-        SideWord::Left => Side::Left,
-        SideWord::Right => Side::Right,
-        SideWord::Superior => Side::Superior,
-        SideWord::Inferior => Side::Inferior,
-    };
-    let orbit = args.orbit.or(table.orbit).unwrap_or(0.0);
-    Ok(Viewpoint::Framed { side, orbit, fov: (!is_parallel).then_some(fov) })
-}
-
-/// The way around, in as many steps.
-fn around(viewpoint: Viewpoint, frames: usize) -> Result<Vec<Viewpoint>, UsageError> {
-    match viewpoint {
-        _ if frames == 1 => Ok(vec![viewpoint]),
-        Viewpoint::Framed { side, orbit, fov } => {
-            let step = 360.0 / frames as f64;
-            let at = |n: usize| Viewpoint::Framed { side, orbit: orbit + step * n as f64, fov };
-            Ok((0..frames).map(at).collect())
-        }
-        Viewpoint::At { .. } => {
-            let says = "--frames goes around what is seen from a side: add --view";
-            Err(UsageError(says.into()))
-        }
-    }
 }
 
 fn background(ground: Option<Ground>) -> Background {

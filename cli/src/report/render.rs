@@ -2,7 +2,7 @@
 
 use super::{VolumeFacts, peak_rss_bytes, simd};
 use isokit::{
-    render::{Cast, Drawn, Traced},
+    render::{Cast, Drawn, Splatted, Traced},
     scene::{Needs, SurfaceNeed},
 };
 use serde::Serialize;
@@ -52,7 +52,7 @@ pub(crate) struct RenderSkipped {
     /// Those that hold no surface that can be seen, or nothing that rays can show.
     pub(crate) bricks_skipped: u64,
     pub(crate) samples: u64,
-    /// Those that planes cut away from all surfaces.
+    /// Those that planes cut away from all surfaces, or that give nothing to a picture of splats.
     pub(crate) samples_skipped: u64,
     /// Surfaces that were not made, and why.
     pub(crate) surfaces: Vec<SkippedSurface>,
@@ -68,6 +68,10 @@ pub(crate) struct RenderSkipped {
     pub(crate) steps_leapt: u64,
     /// Steps behind what is opaque.
     pub(crate) steps_hidden: u64,
+    /// How often a sample was laid on a sheet.
+    pub(crate) splats: u64,
+    /// Sheets behind what is opaque, once for each part of a picture.
+    pub(crate) sheets_hidden: u64,
     /// Cells in which rays looked for surfaces.
     pub(crate) cells: u64,
     /// How often a ray passed a brick that no surface goes through.
@@ -146,6 +150,12 @@ impl RenderSkipped {
     pub(crate) fn add_traced(&mut self, traced: &Traced) {
         self.cells += traced.cells;
         self.bricks_passed += traced.bricks_passed;
+    }
+
+    pub(crate) fn add_splatted(&mut self, splatted: &Splatted) {
+        self.splats += splatted.splats;
+        self.samples_skipped += splatted.samples_skipped;
+        self.sheets_hidden += splatted.sheets_hidden;
     }
 
     pub(crate) fn add_cast(&mut self, cast: &Cast) {

@@ -146,8 +146,7 @@ fn casting<T: Sample>(volume: &Volume<T>, view: &View, cast: &Casting) -> Result
     let start = Instant::now();
     let bricks = cast.leap.then(|| Bricks::of(&seen, &job)).transpose()?;
     let before = start.elapsed().as_secs_f64();
-    let medium =
-        Medium { view: &seen, bricks: bricks.as_ref(), model: &model, clips: &clips };
+    let medium = Medium { view: &seen, bricks: bricks.as_ref(), model: &model, clips: &clips };
     let (camera, size) = (view.camera()?, view.size()?);
     let start = Instant::now();
     let (image, done) = raycast(&medium, (&camera, size), &options, &job)?;

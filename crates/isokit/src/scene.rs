@@ -31,9 +31,9 @@ use isokit_job::Job;
 use isokit_marching_cubes::{ExtractOptions, Nan};
 use isokit_mesh::TriMesh;
 use isokit_render::{
-    Camera, CameraError, Cast, Drawn, Image, Isosurface, Isosurfaces, Medium, Paint, Painted,
-    OpticalModel, Projection, RasterOptions, RaycastOptions, Side, Size, Splatted, Traced, Trilinear,
-    isocast, rasterize, raycast, splat,
+    Camera, CameraError, Cast, Drawn, Image, Isosurface, Isosurfaces, Medium, OpticalModel, Paint,
+    Painted, Projection, RasterOptions, RaycastOptions, Side, Size, SolidTexture, Splatted, Traced,
+    TransferFunction, Trilinear, isocast, rasterize, raycast, splat,
 };
 use isokit_volume::{Bricks, for_any};
 
@@ -65,6 +65,23 @@ pub struct SurfaceLook {
     pub color: [f32; 3],
     /// How much of what is behind it hides, each time that one looks through it, from 0 to 1.
     pub opacity: f32,
+    /// A texture that it is cut from, instead of its colour.
+    pub texture: Option<SolidTexture>,
+}
+
+impl SurfaceLook {
+    /// The colour that it has at a place.
+    pub fn color_at(&self, place: Vector) -> [f32; 3] {
+        self.texture.map_or(self.color, |texture| texture.at(place))
+    }
+
+    /// Its colour, or those of places.
+    fn paint<'a>(&self, solid: &'a (dyn Fn(Vector) -> [f32; 3] + Sync)) -> Paint<'a> {
+        match self.texture {
+            Some(_) => Paint::Solid(solid),
+            None => Paint::Plain(self.color),
+        }
+    }
 }
 
 /// A plane that cuts.
@@ -207,10 +224,11 @@ impl Scene {
         let camera = self.viewpoint.camera((bounds, around.1), size)?;
         let clips: Vec<Vec<HalfSpace>> =
             self.surfaces.iter().map(|look| self.halves(look)).collect();
-        let looks = self.surfaces.iter().zip(meshes).zip(&clips);
-        let painted = looks.map(|((look, mesh), clips)| Painted {
+        let solids = self.solids();
+        let looks = self.surfaces.iter().zip(meshes).zip(&clips).zip(&solids);
+        let painted = looks.map(|(((look, mesh), clips), solid)| Painted {
             mesh,
-            paint: Paint::Plain(look.color),
+            paint: look.paint(solid),
             opacity: look.opacity,
             clips,
         });
@@ -239,8 +257,10 @@ impl Scene {
         let camera = self.viewpoint.camera(scan.around(), size)?;
         let clips: Vec<Vec<HalfSpace>> =
             self.surfaces.iter().map(|look| self.halves(look)).collect();
-        let looks = self.surfaces.iter().zip(&clips).filter_map(|(look, clips)| {
-            let (paint, opacity) = (Paint::Plain(look.color), look.opacity);
+        let solids = self.solids();
+        let looks = self.surfaces.iter().zip(&clips).zip(&solids);
+        let looks = looks.filter_map(|((look, clips), solid)| {
+            let (paint, opacity) = (look.paint(solid), look.opacity);
             self.part_of(look, scan).ok()?;
             Some(Isosurface { iso: look.iso?, paint, opacity, clips })
         });
@@ -332,6 +352,11 @@ impl Scene {
         self.clips.iter().filter(|clip| clip.cuts(&look.name))
     }
 
+    /// The colours of each surface at places.
+    fn solids(&self) -> Vec<impl Fn(Vector) -> [f32; 3] + Sync> {
+        self.surfaces.iter().map(|look| |place| look.color_at(place)).collect()
+    }
+
     fn halves(&self, look: &SurfaceLook) -> Vec<HalfSpace> {
         self.clips_of(look).map(|clip| clip.half).collect()
     }
@@ -350,6 +375,18 @@ impl Scene {
         let mut named = self.clips.iter().filter_map(|clip| clip.surfaces.as_ref()).flatten();
         named.find(is_unknown).map_or(Ok(()), |name| Err(SceneError::UnknownSurface(name.clone())))
     }
+}
+
+/// How steep the borders are of what a function shows of a scan: as [`isokit_render::full_slope`].
+///
+/// # Errors
+///
+/// If the job is cancelled.
+pub fn full_slope(scan: &Scan, function: &TransferFunction, job: &Job) -> Result<f64, SceneError> {
+    let slope = for_any!(scan.volume(), volume => {
+        isokit_render::full_slope(&scan.view(volume), function, job)
+    });
+    Ok(slope?)
 }
 
 impl Clip {

@@ -52,6 +52,7 @@ mod png;
 mod raster;
 mod raycast;
 mod splat;
+mod texture;
 mod transfer;
 mod trilinear;
 
@@ -64,8 +65,9 @@ pub use png::{Depth, PngError, write_png};
 pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
 pub use raycast::{Cast, Medium, RaycastError, RaycastOptions, raycast};
 pub use splat::{Splatted, splat};
+pub use texture::{Pattern, SolidTexture, TextureError};
 pub use transfer::{
     ControlPoint, Material, Mixture, MixtureError, OpticalModel, SlopeError, SlopeFunction,
-    TransferError, TransferFunction,
+    TransferError, TransferFunction, full_slope,
 };
 pub use trilinear::Trilinear;

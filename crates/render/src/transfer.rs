@@ -11,11 +11,13 @@ mod lookup;
 mod mixture;
 mod model;
 mod slopes;
+mod steep;
 
 pub(crate) use lookup::{Lookup, Place, Scale};
 pub use mixture::{Material, Mixture, MixtureError};
 pub use model::OpticalModel;
 pub use slopes::{SlopeError, SlopeFunction};
+pub use steep::full_slope;
 
 use isokit_mesh::Rgba;
 

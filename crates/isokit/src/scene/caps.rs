@@ -36,7 +36,8 @@ impl<'a> Caps<'a> {
                 CapStyle::None => continue,
                 CapStyle::Solid => Box::new(move |place| {
                     let surface = value(place).and_then(|value| innermost(place, value));
-                    surface.map_or(Gathered::NOTHING, |look| Gathered::new(look.color, 1.0))
+                    surface
+                        .map_or(Gathered::NOTHING, |look| Gathered::new(look.color_at(place), 1.0))
                 }),
                 CapStyle::Slice => {
                     let model = scene.model.as_ref().ok_or(SceneError::NoTransfer)?;

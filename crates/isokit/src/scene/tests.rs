@@ -28,7 +28,7 @@ fn scan() -> Scan {
 }
 
 fn look(name: &str, iso: f64, color: [f32; 3], opacity: f32) -> SurfaceLook {
-    SurfaceLook { name: name.into(), iso: Some(iso), color, opacity }
+    SurfaceLook { name: name.into(), iso: Some(iso), color, opacity, texture: None }
 }
 
 /// A translucent ball of radius 20 around an opaque one of radius 10, seen from the front.
@@ -37,7 +37,7 @@ fn scene() -> Scene {
     Scene {
         surfaces: vec![look("skin", 0.0, RED, 0.5), look("bone", 10.0, BLUE, 1.0)],
         clips: vec![],
-        transfer: None,
+        model: None,
         viewpoint: Viewpoint::At {
             from: [0.0, 60.0, 0.0],
             at: Some([0.0; 3]),
@@ -88,8 +88,8 @@ fn planes_cut_what_they_name_and_caps_close_it() {
     let with = |clips: Vec<Clip>| {
         let point = |value, color| ControlPoint { value, color, opacity: 0.0 };
         let points = vec![point(0.0, [0.0; 3]), point(20.0, [0.0, 1.0, 0.0])];
-        let transfer = Some(TransferFunction::new(points).unwrap());
-        drawn(&Scene { clips, transfer, ..scene() }, &scan).unwrap().pixel(40, 40)
+        let model = Some(TransferFunction::new(points).unwrap().into());
+        drawn(&Scene { clips, model, ..scene() }, &scan).unwrap().pixel(40, 40)
     };
     // The camera looks along -y: the front wall of the outer ball is gone.
     assert_near(with(vec![behind(5.0, Some("skin"), CapStyle::None)]), [0.0, 0.0, 1.0], 1.0);
@@ -178,9 +178,9 @@ fn rays_are_cut_by_planes_that_cut_all() {
         color: RED,
         opacity,
     });
-    let transfer = Some(TransferFunction::new(points.into()).unwrap());
+    let model = Some(TransferFunction::new(points.into()).unwrap().into());
     let cast = |clips: Vec<Clip>| {
-        let scene = Scene { clips, transfer: transfer.clone(), ..scene() };
+        let scene = Scene { clips, model: model.clone(), ..scene() };
         scene.cast(&scan, size(), &Job::default()).unwrap().0.pixel(40, 40).opacity
     };
     let (whole, named) = (cast(vec![]), cast(vec![behind(0.0, Some("skin"), CapStyle::None)]));
@@ -217,7 +217,7 @@ fn every_preset_shows_something_of_a_scan_with_such_values() {
         );
         let transfer = preset.transfer(&scan, &Job::default()).unwrap();
         let viewpoint = Viewpoint::Framed { side: Side::Left, orbit: 0.0, fov: None };
-        let scene = Scene { transfer: Some(transfer), viewpoint, ..scene() };
+        let scene = Scene { model: Some(transfer.into()), viewpoint, ..scene() };
         let image = scene.cast(&scan, size(), &Job::default()).unwrap().0;
         assert!(image.pixel(40, 40).opacity > 0.3, "{preset:?}");
         assert_eq!(image.pixel(0, 0).opacity, 0.0);
@@ -268,7 +268,7 @@ fn a_value_on_the_surface_is_inside_of_it_for_rays_and_caps_too() {
 fn rays_need_the_bricks_of_which_something_can_be_seen() {
     let point = |value, opacity| ControlPoint { value, color: [1.0; 3], opacity };
     let transfer = TransferFunction::new(vec![point(15.0, 0.0), point(20.0, 1.0)]).unwrap();
-    let rays = Scene { transfer: Some(transfer), ..scene() };
+    let rays = Scene { model: Some(transfer.into()), ..scene() };
     let needs = |scene: &Scene| scene.needs_of_rays(&scan(), &Job::default()).unwrap();
     let all = needs(&rays);
     assert!(all.bricks_skipped > all.bricks / 2 && all.bricks_skipped < all.bricks, "{all:?}");

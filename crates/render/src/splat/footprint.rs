@@ -48,9 +48,19 @@ pub(super) struct Footprint {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section<'a> {
     /// By squares of the distance along the sheet.
-    pub(super) weights: &'a [f32; SQUARES],
-    /// Up to which such square there is something.
-    pub(super) square: f64,
+    weights: &'a [f32; SQUARES],
+    /// Up to which distance along the sheet there is something.
+    pub(super) radius: f64,
+}
+
+impl Section<'_> {
+    /// The weight that is nearest to a number of [squares](Footprint::squares_per).
+    #[inline(always)]
+    pub(super) fn weight(&self, squares: f32) -> f32 {
+        // The last bits of the sum are the nearest whole number: quicker than asking for it. Nothing is in the last square.
+        const WHOLE: f32 = (1 << 23) as f32;
+        self.weights[(squares.min((SQUARES - 1) as f32) + WHOLE).to_bits() as usize % SQUARES]
+    }
 }
 
 impl Footprint {
@@ -59,22 +69,17 @@ impl Footprint {
         let half = 0.5 * thickness;
         let reach = RADIUS + half;
         let levels_per = LEVELS as f64 / reach;
-        let squares_per = SQUARES as f64 / (RADIUS * RADIUS);
-        // In the middle of levels and squares, which are as near to all that is looked up there.
-        let middle = |n: usize, per: f64| (n as f64 + 0.5) / per;
+        // The last square is that of the radius.
+        let squares_per = (SQUARES - 1) as f64 / (RADIUS * RADIUS);
         let entry = |n: usize| {
-            let (level, square) =
-                (middle(n / SQUARES, levels_per), middle(n % SQUARES, squares_per));
+            // In the middle of a level, which is as near as it can be to all that is looked up there.
+            let level = ((n / SQUARES) as f64 + 0.5) / levels_per;
+            let square = (n % SQUARES) as f64 / squares_per;
             let end = |t: f64| [square.sqrt(), 0.0, t];
             line_integral(kernel, (end(level - half), end(level + half)), 1.0) as f32
         };
         let table = (0..LEVELS * SQUARES).map(entry).collect();
         Self { table, reach, half, levels_per, squares_per }
-    }
-
-    /// How far from the middle of a sheet a sample may be to count.
-    pub(super) fn reach(&self) -> f64 {
-        self.reach
     }
 
     /// Squares of distances to places in [`Section::weights`].
@@ -90,9 +95,9 @@ impl Footprint {
             return None;
         }
         let level = ((away * self.levels_per) as usize).min(LEVELS - 1);
-        let within = (away - self.half).max(0.0);
+        let nearest = (away - self.half).max(0.0);
         let weights = self.table.as_chunks().0.get(level)?;
-        Some(Section { weights, square: RADIUS * RADIUS - within * within })
+        Some(Section { weights, radius: (RADIUS * RADIUS - nearest * nearest).sqrt() })
     }
 
     /// The sum of what all samples of a lattice give to a place, on the mean.
@@ -147,9 +152,9 @@ mod tests {
                     .map(|i| (f64::from(i) + 0.5) / 1000.0 - 0.5)
                     .map(|share| kernel([b, 0.0, away + share * thickness]) / 1000.0)
                     .sum();
-                let found = footprint.section(away).filter(|section| b * b < section.square);
-                let place = (b * b * footprint.squares_per()) as usize;
-                let found = found.map_or(0.0, |section| section.weights[place].into());
+                let found = footprint.section(away).filter(|section| b < section.radius);
+                let place = (b * b * footprint.squares_per()) as f32;
+                let found = found.map_or(0.0, |section| section.weight(place).into());
                 assert!((expected - found).abs() < 0.03, "{away}, {b}: {found} for {expected}");
             }
         }

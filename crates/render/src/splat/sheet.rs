@@ -38,11 +38,11 @@ pub(super) struct Sheet {
     column: [f64; 4],
     row: [f64; 4],
     away: [f64; 4],
-    /// The square of a distance in the kernel's space is `along · (x + shear · y)² + across · y²`.
+    /// See [`shear`](Self::shear).
     along: f64,
     shear: f64,
     across: f64,
-    /// The squares of how far one goes in pixels at most, to the right and down, on a distance of 1.
+    /// How far one goes in pixels at most, to the right and down, on a distance of 1.
     reach: [f64; 2],
 }
 
@@ -177,7 +177,7 @@ impl Sheets {
             along: a,
             shear: b / a,
             across: square / a,
-            reach: [c / square, a / square],
+            reach: [c, a].map(|c| c.sqrt() / long),
         }
     }
 
@@ -215,7 +215,7 @@ impl Sheets {
         for sheet in sheets.map(|number| self.sheet(number)) {
             for spot in corners.map(|corner| sheet.spot(corner)) {
                 for (axis, middle) in [spot.column, spot.row].into_iter().enumerate() {
-                    let wide = RADIUS * sheet.reach[axis].sqrt();
+                    let wide = RADIUS * sheet.reach[axis];
                     let [low, high] = &mut pixels[axis];
                     (*low, *high) = (low.min(middle - wide), high.max(middle + wide));
                 }
@@ -262,25 +262,23 @@ impl Sheet {
         Spot { column: at(self.column), row: at(self.row), away: at(self.away) }
     }
 
-    /// How far up and down a distance of such a square reaches, in pixels.
+    /// How far one goes in pixels at most, to the right and down, on such a distance.
     #[inline(always)]
-    pub(super) fn rows(&self, square: f64) -> f64 {
-        (square * self.reach[1]).sqrt()
+    pub(super) fn reach(&self, radius: f64) -> [f64; 2] {
+        self.reach.map(|reach| radius * reach)
     }
 
-    /// In the row of pixels so far below a spot: where the nearest place is, to the right of the spot, what the square of
-    /// its distance is, and how far from it a distance of such a square reaches.
+    /// See [`shear`](Self::shear).
     #[inline(always)]
-    pub(super) fn chord(&self, below: f64, square: f64) -> Option<(f64, f64, f64)> {
-        let least = self.across * below * below;
-        let left = square - least;
-        (left > 0.0).then(|| (-self.shear * below, least, (left / self.along).sqrt()))
+    pub(super) fn squares(&self) -> [f64; 2] {
+        [self.along, self.across]
     }
 
-    /// The square of a distance of one pixel to the right.
+    /// The square of the distance of a pixel that is x to the right and y below is
+    /// `squares()[0] · (x + shear() · y)² + squares()[1] · y²`.
     #[inline(always)]
-    pub(super) fn along(&self) -> f64 {
-        self.along
+    pub(super) fn shear(&self) -> f64 {
+        self.shear
     }
 }
 

@@ -11,6 +11,7 @@ use crate::{
 };
 use isokit_geom::vector::{Vector, dot, length};
 use isokit_volume::Sample;
+use std::ops::Range;
 
 /// Pixels of a tile along each side.
 pub(super) const TILE: usize = 64;
@@ -149,37 +150,33 @@ impl<T: Sample> Tiles<'_, T> {
         let scale = Scale::of(view.scaling());
         let [x, y, z] = block.samples.map(|[first, end]| first..end);
         // Places on the tile and around it.
-        let origin = corner.map(|c| c as f64 - APRON as f64);
-        let most = (WIDE - 1) as f64;
-        let clip = |low: f64, high: f64| {
-            let (low, high) = (low.ceil().max(0.0), high.floor().min(most));
-            (low <= high).then_some(low as usize..=high as usize)
-        };
+        let [left, top] = corner.map(|c| c as f64 - APRON as f64);
+        let per = self.footprint.squares_per();
+        let [along, across] = sheet.squares().map(|square| (square * per) as f32);
+        let shear = sheet.shear() as f32;
         for (k, j) in z.flat_map(|k| y.clone().map(move |j| (k, j))) {
             for i in x.clone() {
                 let spot = sheet.spot([i, j, k].map(|n| n as f64));
                 let Some(section) = self.footprint.section(spot.away) else { continue };
-                let (column, row) = (spot.column - origin[0], spot.row - origin[1]);
-                let tall = sheet.rows(section.square);
-                let Some(rows) = clip(row - tall, row + tall) else { continue };
+                let (column, row) = (spot.column - left, spot.row - top);
+                let [wide, tall] = sheet.reach(section.radius);
+                let (columns, rows) = (within(column, wide), within(row, tall));
+                if columns.is_empty() || rows.is_empty() {
+                    continue;
+                }
                 done.splats += 1;
-                let stored = view.stored([i, j, k]).to_f64() as f32;
-                let value = scale.value(stored);
-                for y in rows {
-                    let below = y as f64 - row;
-                    let Some((aside, least, wide)) = sheet.chord(below, section.square) else {
-                        continue;
-                    };
-                    let middle = column + aside;
-                    let Some(columns) = clip(middle - wide, middle + wide) else { continue };
-                    let first = *columns.start();
-                    let per = self.footprint.squares_per();
-                    let (along, least) = ((sheet.along() * per) as f32, (least * per) as f32);
-                    let mut from = (first as f64 - middle) as f32;
-                    let row = &mut layer.sums[y * WIDE..][..WIDE];
-                    for [sum, weight] in &mut row[columns] {
-                        let square = (along * from * from + least) as usize;
-                        let part = section.weights[square.min(section.weights.len() - 1)];
+                let value = scale.value(view.stored([i, j, k]).to_f64() as f32);
+                let first = (columns.start as f64 - column) as f32;
+                let top = (rows.start as f64 - row) as f32;
+                for (n, row) in layer.sums[rows.start * WIDE..rows.end * WIDE]
+                    .chunks_exact_mut(WIDE)
+                    .enumerate()
+                {
+                    let below = top + n as f32;
+                    let least = across * below * below;
+                    let mut from = first + shear * below;
+                    for [sum, weight] in &mut row[columns.clone()] {
+                        let part = section.weight(along * from * from + least);
                         *sum += part * value;
                         *weight += part;
                         from += 1.0;
@@ -244,6 +241,15 @@ impl<T: Sample> Tiles<'_, T> {
         let [to_x, to_y] = pixel.slopes;
         ([x, y, behind / self.sheets.step() - to_x * x - to_y * y], [to_x, to_y, 1.0])
     }
+}
+
+/// The places on a tile, and around it, no farther from one than so much.
+#[inline(always)]
+fn within(middle: f64, reach: f64) -> Range<usize> {
+    let low = (middle - reach).max(0.0);
+    let first = low as i32; // not the next after it, but that has no weight
+    let end = (middle + reach + 1.0).clamp(0.0, WIDE as f64) as i32;
+    first as usize..end as usize
 }
 
 /// By how much values rise from pixel to pixel to the right, down, and behind: between those on both sides, or from one

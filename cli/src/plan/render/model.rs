@@ -1,0 +1,134 @@
+//! What values look like, and how gradients are lit.
+
+use crate::{
+    fault::UsageError,
+    scene_file::{
+        Color, Fade, LightTable, MaterialTable, ModeWord, PresetWord, RowTable, SceneFile,
+        ShadingWord, TransferTable,
+    },
+};
+use isokit::{
+    render::{ControlPoint, Light, Material, Mixture, SlopeFunction, TransferFunction},
+    scene::Preset,
+};
+
+/// What values look like.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ModelPlan {
+    Points(TransferFunction, Option<FadePlan>),
+    Preset(Preset, Option<FadePlan>),
+    Rows(SlopeFunction),
+    Mixture(Mixture),
+}
+
+/// How steep what does not fade is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum FadePlan {
+    /// As the borders of what is seen.
+    Auto,
+    Slope(f64),
+}
+
+/// What a surface between materials hides without other words.
+const SURFACE: f32 = 0.8;
+
+pub(super) fn of(
+    typed: Option<PresetWord>,
+    file: &SceneFile,
+    mode: ModeWord,
+) -> Result<ModelPlan, UsageError> {
+    let table = file.transfer.clone().unwrap_or_default();
+    let is_mixture = file.light.shading == ShadingWord::Mixture;
+    let refuse = |says: &str| Err(UsageError(says.into()));
+    if file.light.surface.is_some() && !is_mixture {
+        return refuse("[light] surface: that of materials, for shading = \"mixture\"");
+    }
+    if is_mixture {
+        if !mode.shows_values() {
+            return refuse("[light]: a mixture is of values: add mode = \"raycast\" or \"splat\"");
+        }
+        if typed.is_some() || (TransferTable { unit: None, ..table }) != TransferTable::default() {
+            return refuse(
+                "a mixture looks like its materials: leave out presets, points, rows and gradient",
+            );
+        }
+        return mixture(&file.material, file.light.surface.unwrap_or(SURFACE));
+    }
+    if !file.material.is_empty() {
+        return refuse("[[material]]: materials are seen with [light] shading = \"mixture\"");
+    }
+    let fade = match table.gradient {
+        None | Some(Fade::Word(false)) => None,
+        Some(Fade::Word(true)) => Some(FadePlan::Auto),
+        Some(Fade::Slope(slope)) if slope > 0.0 && slope < 1e37 => Some(FadePlan::Slope(slope)),
+        Some(Fade::Slope(slope)) => {
+            let says = format!("[transfer] gradient: expected a slope above 0, found {slope}");
+            return Err(UsageError(says));
+        }
+    };
+    let named = [table.points.is_some(), table.preset.is_some(), table.rows.is_some()];
+    if named.iter().filter(|is_there| **is_there).count() > 1 {
+        return refuse("[transfer]: expected either points or a preset or rows, found several");
+    }
+    match (typed, &table.points, &table.rows) {
+        (None, Some(points), _) => {
+            Ok(ModelPlan::Points(function(points, "[transfer] points")?, fade))
+        }
+        (None, _, Some(_)) if fade.is_some() => {
+            refuse("[transfer]: rows say what slopes look like: leave out gradient")
+        }
+        (None, _, Some(rows)) => by_slopes(rows),
+        _ => {
+            let preset = match typed.or(table.preset) {
+                None | Some(PresetWord::Auto) => Preset::Auto,
+                Some(PresetWord::CtBone) => Preset::CtBone,
+                Some(PresetWord::CtSkin) => Preset::CtSkin,
+            };
+            Ok(ModelPlan::Preset(preset, fade))
+        }
+    }
+}
+
+fn function(points: &[(f64, Color)], place: &str) -> Result<TransferFunction, UsageError> {
+    let points = points.iter().map(|&(value, Color(rgba))| ControlPoint::new(value, rgba));
+    TransferFunction::new(points.collect()).map_err(|error| UsageError(format!("{place}: {error}")))
+}
+
+fn by_slopes(rows: &[RowTable]) -> Result<ModelPlan, UsageError> {
+    let row = |(n, row): (usize, &RowTable)| {
+        let place = format!("[transfer] rows, row {}", n + 1);
+        Ok((row.gradient, function(&row.points, &place)?))
+    };
+    let rows = rows.iter().enumerate().map(row).collect::<Result<_, UsageError>>()?;
+    let slopes = SlopeFunction::new(rows);
+    slopes.map(ModelPlan::Rows).map_err(|error| UsageError(format!("[transfer] rows: {error}")))
+}
+
+/// Without other words the first material is as dense as nothing, and each one more by 1.
+fn mixture(tables: &[MaterialTable], surface: f32) -> Result<ModelPlan, UsageError> {
+    let material = |(n, table): (usize, &MaterialTable)| {
+        let [r, g, b, opacity] = table.color.0.to_linear();
+        let density = table.density.unwrap_or(n as f64);
+        Material { values: table.values, color: [r, g, b], opacity, density }
+    };
+    let materials = tables.iter().enumerate().map(material).collect();
+    let mixture = Mixture::new(materials, surface);
+    mixture.map(ModelPlan::Mixture).map_err(|error| UsageError(format!("[[material]]: {error}")))
+}
+
+pub(super) fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
+    let LightTable { shading, ambient, diffuse, specular, shininess, .. } = table.clone();
+    let default = Light::DEFAULT;
+    let light = Light {
+        ambient: ambient.unwrap_or(default.ambient),
+        diffuse: diffuse.unwrap_or(default.diffuse),
+        specular: specular.unwrap_or(default.specular),
+        shininess: shininess.unwrap_or(default.shininess),
+    };
+    let shares = [light.ambient, light.diffuse, light.specular];
+    if !shares.iter().all(|share| (0.0..=1.0).contains(share)) {
+        let says = "[light]: expected ambient, diffuse and specular from 0 to 1, found";
+        return Err(UsageError(format!("{says} {shares:?}")));
+    }
+    Ok((shading != ShadingWord::None).then_some(light))
+}

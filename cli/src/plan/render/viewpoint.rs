@@ -1,0 +1,92 @@
+//! From where a picture is taken.
+
+use crate::{
+    args::RenderArgs,
+    fault::UsageError,
+    scene_file::{At, CameraTable, ProjectionWord, SideWord},
+};
+use isokit::{
+    render::{Projection, Side},
+    scene::Viewpoint,
+};
+
+/// The angle of a perspective without other words.
+const FOV: f64 = 30.0;
+
+/// From where it is seen: from a place if the file has one and no side was typed, else from a side.
+pub(super) fn of(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, UsageError> {
+    let refuse = |says: &str| Err(UsageError(format!("[camera]: {says}")));
+    let is_parallel = match table.projection {
+        _ if args.fov.is_some() => false,
+        Some(projection) => args.parallel || projection == ProjectionWord::Parallel,
+        None => args.parallel || table.height.is_some(),
+    };
+    let fov = args.fov.or(table.fov).unwrap_or(FOV);
+    if table.fov.is_some() && table.height.is_some() {
+        return refuse(
+            "fov is for a perspective and height for a parallel projection: leave out one",
+        );
+    }
+    match table.projection {
+        Some(ProjectionWord::Perspective) if table.height.is_some() => {
+            return refuse("height is for a parallel projection, not for a perspective");
+        }
+        Some(ProjectionWord::Parallel) if table.fov.is_some() => {
+            return refuse("fov is for a perspective, not for a parallel projection");
+        }
+        _ => {}
+    }
+    if !table.orbit.is_none_or(f64::is_finite) {
+        return refuse("orbit: expected degrees, a finite number");
+    }
+    if let (Some(from), None) = (table.from, args.view) {
+        if table.view.is_some() || table.orbit.is_some() {
+            return refuse("expected either from or view and orbit, found both");
+        }
+        if args.orbit.is_some() {
+            let says = "--orbit goes around what is seen from a side: add --view";
+            return Err(UsageError(says.into()));
+        }
+        let at = match table.at {
+            None | Some(At::Center(_)) => None,
+            Some(At::Place(place)) => Some(place),
+        };
+        let projection = match (is_parallel, table.height) {
+            (true, Some(height)) => Projection::Parallel { height },
+            (true, None) => return refuse("a parallel projection from a place needs a height"),
+            (false, _) => Projection::Perspective { fov },
+        };
+        let up = table.up.unwrap_or([0.0, 0.0, 1.0]);
+        return Ok(Viewpoint::At { from, at, up, projection });
+    }
+    if table.from.is_none() && (table.at.is_some() || table.up.is_some() || table.height.is_some())
+    {
+        return refuse("at, up and height are for a camera at a place: add from");
+    }
+    let side = match args.view.or(table.view).unwrap_or_default() {
+        SideWord::Anterior => Side::Anterior,
+        SideWord::Posterior => Side::Posterior,
+        SideWord::Left => Side::Left,
+        SideWord::Right => Side::Right,
+        SideWord::Superior => Side::Superior,
+        SideWord::Inferior => Side::Inferior,
+    };
+    let orbit = args.orbit.or(table.orbit).unwrap_or(0.0);
+    Ok(Viewpoint::Framed { side, orbit, fov: (!is_parallel).then_some(fov) })
+}
+
+/// The way around, in as many steps.
+pub(super) fn around(viewpoint: Viewpoint, frames: usize) -> Result<Vec<Viewpoint>, UsageError> {
+    match viewpoint {
+        _ if frames == 1 => Ok(vec![viewpoint]),
+        Viewpoint::Framed { side, orbit, fov } => {
+            let step = 360.0 / frames as f64;
+            let at = |n: usize| Viewpoint::Framed { side, orbit: orbit + step * n as f64, fov };
+            Ok((0..frames).map(at).collect())
+        }
+        Viewpoint::At { .. } => {
+            let says = "--frames goes around what is seen from a side: add --view";
+            Err(UsageError(says.into()))
+        }
+    }
+}
