@@ -197,6 +197,10 @@ pub(crate) struct LightTable {
     pub(crate) shininess: Option<u16>,
     /// What the surface between two materials hides.
     pub(crate) surface: Option<f32>,
+    /// Where light comes from.
+    pub(crate) from: Option<[f64; 3]>,
+    pub(crate) shadows: Option<bool>,
+    pub(crate) occlusion: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]

@@ -12,6 +12,8 @@ Examples:
   isokit render ct.nii.gz --iso -300:skin:#d8a58080 --iso 300:bone -o head.png
   isokit render ct.nii.gz --preset ct-bone --view left -o bone.png
   isokit render bone.stl --frames 36 -o turn.png
+  isokit render ct.nii.gz --iso -300 --iso 300 --iso 1500 --sheet -o sheet.png
+  isokit render ct.nii.gz --preset ct-skin --plot preset.png
   isokit render scene.toml --plan
 
 A scene file says more than options; each option, where given, comes before what the file says:
@@ -23,13 +25,19 @@ A scene file says more than options; each option, where given, comes before what
   iso = -300
   color = \"#d8a580\"
   opacity = 0.35
+  texture = { pattern = \"wood\", size = 5, colors = [\"#804818\"] }   # checker, marble, granite
   [[clip]]                     # keeps n . x <= d, in world units
   plane = [0, 1, 0, 12.5]      # n and d
   surfaces = [\"skin\"]          # default: all, and rays
   cap = \"slice\"                # none, solid, slice: the values there
-  [transfer]                   # for mode = \"raycast\" and slices
-  points = [[-1000, \"#00000000\"], [300, \"#e8dcc0c0\"]]
+  [transfer]                   # for mode = \"raycast\", \"splat\" and slices
+  points = [[-1000, \"#00000000\"], [300, \"#e8dcc0c0\"]]   # or preset, or rows = [{ gradient, points }]
+  gradient = true              # what is even fades; or the slope from which on nothing does
   unit = 1.0                   # opacities are those over so many world units
+  [[material]]                 # for shading = \"mixture\", instead of [transfer] points
+  values = [-80, 80]           # pure from one to the other, and mixed up to the next material
+  color = \"#d0806004\"
+  density = 1                  # surfaces are where it changes
   [camera]                     # or: view = \"left\", orbit = 30
   projection = \"perspective\"   # parallel: height = world units in the picture
   from = [300, -400, 120]
@@ -37,18 +45,21 @@ A scene file says more than options; each option, where given, comes before what
   up = [0, 0, 1]
   fov = 30
   [light]                      # ambient, diffuse, specular, shininess
-  shading = \"gradient\"         # none: colours as they are
+  shading = \"gradient\"         # none: colours as they are; mixture
+  from = [1, 1, 2]             # where light comes from: default the eye. For surfaces, as the next two
+  shadows = true
+  occlusion = 0.7              # how dark it is where little light comes to
   [sampling]
   step = 0.5                   # of the smallest spacing
   [output]
   size = [1024, 1024]
-  mode = \"surfaces\"            # iso-raycast, raycast
+  mode = \"surfaces\"            # iso-raycast, raycast, splat
   background = \"#ffffff\"       # transparent")]
 pub(crate) struct RenderArgs {
     /// A scene (.toml), a volume or a mesh
     pub(crate) input: PathBuf,
     /// The picture to write, as PNG. - writes to stdout
-    #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["plan", "plot"])]
     pub(crate) output: Option<PathBuf>,
     /// Say what would be computed, and what not because the picture does not need it; then stop
     #[arg(long)]
@@ -84,6 +95,9 @@ pub(crate) struct RenderArgs {
     /// Make N pictures on the way around it, FILE_001.png and so on
     #[arg(long, value_name = "N", value_parser = values::frames, help_heading = "Camera")]
     pub(crate) frames: Option<NonZeroUsize>,
+    /// One picture of each isovalue alone, side by side
+    #[arg(long, conflicts_with = "frames", help_heading = "Picture")]
+    pub(crate) sheet: bool,
     /// Pixels [default: 1024x1024]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = values::size, help_heading = "Picture")]
     pub(crate) size: Option<Size>,
@@ -96,6 +110,16 @@ pub(crate) struct RenderArgs {
     /// Bits of each part of a colour
     #[arg(long, value_enum, default_value_t, value_name = "N", help_heading = "Picture")]
     pub(crate) bits: BitsArg,
+    /// How far ahead surfaces are: a .png with 16 bits from the nearest to the farthest, or as a volume of
+    /// one slice in world units (.npy, .nrrd)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "sheet"], help_heading = "Picture")]
+    pub(crate) depth: Option<PathBuf>,
+    /// Where surfaces face, as a .png with 16 bits: right, up and to the eye from 0 to 1
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "sheet"], help_heading = "Picture")]
+    pub(crate) normals: Option<PathBuf>,
+    /// What values look like, over how often they occur, as a .png
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
+    pub(crate) plot: Option<PathBuf>,
     /// Write a report as JSON, to a file or to - for stdout
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,

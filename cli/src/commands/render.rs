@@ -1,5 +1,8 @@
 //! `render`: from a scene, a volume or a mesh to a picture.
 
+mod pictures;
+mod words;
+
 use super::write_text;
 use crate::{
     Exit, Session,
@@ -9,21 +12,17 @@ use crate::{
         to_json,
     },
     scene_file::ModeWord,
-    text::{counted, grouped},
 };
-use anyhow::{Context, Result};
+use anyhow::Result;
 use isokit::{
     geom::{Aabb, Space},
-    io::{Output, read_mesh},
+    io::read_mesh,
     mesh::TriMesh,
     pipeline::{IsoChoice, Region, Scan, TargetSpace},
-    render::{Image, OpticalModel, SlopeFunction, write_png},
+    render::{OpticalModel, SlopeFunction},
     scene::{Scene, SurfaceLook, full_slope},
 };
-use std::{
-    io::{BufWriter, Write},
-    time::Instant,
-};
+use std::time::Instant;
 
 pub(crate) fn run(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
     let text = session.watching(|session| render(plan, session))?;
@@ -50,7 +49,13 @@ struct Seen {
 fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), RenderTimings::default());
     let mut seen = timed(&mut timings.read, || read(plan, session))?;
-    let is_plan = plan.targets.is_empty();
+    if let Some(path) = plan.plot.as_deref().filter(|_| !plan.is_plan) {
+        pictures::plot(path, plan, &seen, session)?;
+        if plan.targets.is_empty() {
+            return Ok(String::new());
+        }
+    }
+    let is_plan = plan.is_plan;
     let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
     let mut skipped = RenderSkipped::default();
     if let (Some(scan), true) = (&seen.scan, wants_needs) {
@@ -65,21 +70,22 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
             let made = timed(&mut timings.extract, || seen.scene.meshes(scan, &session.job));
             seen.meshes = made?;
         }
-        pictures(plan, &mut seen, (&mut skipped, &mut timings), session)?;
+        pictures::pictures(plan, &mut seen, (&mut skipped, &mut timings), session)?;
+        pictures::channels(plan, &seen, session)?;
     }
     timings.total = start.elapsed().as_secs_f64();
     let surfaces = surfaces(plan, &seen);
     if is_plan && plan.report.is_none() {
-        return Ok(plan_lines(plan, &seen, &skipped));
+        return Ok(words::plan_lines(plan, &seen, &skipped));
     }
-    tell(plan.mode, &skipped, &timings, session);
+    words::tell(plan.mode, &skipped, &timings, session);
     let Some(input) = seen.input else { return Ok(String::new()) };
     let outputs = plan.targets.iter().filter_map(|target| match target {
         Stream::File(path) => Some(path.clone()),
         Stream::Stdout => None,
     });
     let report = RenderReport {
-        mode: mode_name(plan.mode),
+        mode: words::mode_name(plan.mode),
         size: [plan.size.width.get(), plan.size.height.get()],
         surfaces,
         outputs: outputs.collect(),
@@ -179,69 +185,6 @@ fn surface_look(look: &LookPlan, scan: &Scan, session: &Session<'_, '_>) -> Resu
     Ok(SurfaceLook { name, iso: Some(iso), color: [r, g, b], opacity, texture })
 }
 
-/// Makes and writes one picture after the other.
-fn pictures(
-    plan: &RenderPlan,
-    seen: &mut Seen,
-    (skipped, timings): (&mut RenderSkipped, &mut RenderTimings),
-    session: &mut Session<'_, '_>,
-) -> Result<()> {
-    for (viewpoint, target) in plan.viewpoints.iter().zip(&plan.targets) {
-        seen.scene.viewpoint = *viewpoint;
-        let (size, job) = (plan.size, session.job.clone());
-        let image = timed(&mut timings.render, || -> Result<Image> {
-            match (plan.mode, &seen.scan) {
-                (ModeWord::Raycast, Some(scan)) => {
-                    let (image, cast) = seen.scene.cast(scan, size, &job)?;
-                    skipped.add_cast(&cast);
-                    Ok(image)
-                }
-                (ModeWord::Splat, Some(scan)) => {
-                    let (image, splatted) = seen.scene.splat(scan, size, &job)?;
-                    skipped.add_splatted(&splatted);
-                    Ok(image)
-                }
-                (ModeWord::IsoRaycast, Some(scan)) => {
-                    let (image, traced) = seen.scene.trace(scan, size, &job)?;
-                    skipped.add_traced(&traced);
-                    Ok(image)
-                }
-                (_, scan) => {
-                    let subject = (scan.as_ref(), seen.around);
-                    let (image, drawn) = seen.scene.draw(&seen.meshes, subject, size, &job)?;
-                    skipped.add_drawn(&drawn);
-                    Ok(image)
-                }
-            }
-        })?;
-        timed(&mut timings.write, || write(plan, &image, target, session))?;
-    }
-    Ok(())
-}
-
-fn write(
-    plan: &RenderPlan,
-    image: &Image,
-    target: &Stream,
-    session: &mut Session<'_, '_>,
-) -> Result<()> {
-    match target {
-        Stream::Stdout => write_png(image, plan.background, plan.depth, &mut session.out)?,
-        Stream::File(path) => {
-            let mut output = Output::create(path)?;
-            let mut buffer = BufWriter::new(&mut output);
-            let written = write_png(image, plan.background, plan.depth, &mut buffer);
-            let what = || format!("{}: cannot write", path.display());
-            written.with_context(what)?;
-            buffer.flush().with_context(what)?;
-            drop(buffer);
-            output.finish()?;
-            session.console.info(&format!("wrote {}", path.display()));
-        }
-    }
-    Ok(())
-}
-
 fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {
     if plan.mode.shows_values() {
         return vec![];
@@ -254,87 +197,4 @@ fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {
         triangles: seen.meshes.get(n).map_or(0, |mesh| mesh.triangles.len() as u64),
     });
     drawn.collect()
-}
-
-/// Says what was computed, and what not.
-fn tell(
-    mode: ModeWord,
-    skipped: &RenderSkipped,
-    timings: &RenderTimings,
-    session: &Session<'_, '_>,
-) {
-    skipped_lines(mode, skipped).iter().for_each(|line| session.console.detail(line));
-    let RenderTimings { read, extract, render, write, total } = timings;
-    session.console.detail(&format!(
-        "read {read:.3} s, extract {extract:.3} s, render {render:.3} s, write {write:.3} s, \
-         total {total:.3} s"
-    ));
-}
-
-/// What would be done, for people.
-fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String {
-    let pictures = counted(plan.viewpoints.len() as u64, "picture", "pictures");
-    let [width, height] = [plan.size.width, plan.size.height];
-    let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
-    if !plan.mode.shows_values() {
-        for (n, look) in seen.scene.surfaces.iter().enumerate() {
-            let why = skipped.surfaces.iter().find(|skipped| skipped.number == n);
-            let what = match (why, look.iso) {
-                (Some(why), _) => format!("not made: {}", why.why),
-                (None, Some(iso)) if plan.mode == ModeWord::IsoRaycast => {
-                    format!("found by rays at {iso}")
-                }
-                (None, Some(iso)) => format!("extracted at {iso}, with normals"),
-                (None, None) => "read".to_owned(),
-            };
-            lines.push(format!("  {}: {what}", look.name));
-        }
-    } else if !seen.scene.surfaces.is_empty() {
-        lines.push("not computed: surfaces and caps, which pictures of values do not show".into());
-    }
-    lines.extend(skipped_lines(plan.mode, skipped));
-    lines.join("\n") + "\n"
-}
-
-/// What is not computed, a sentence each.
-fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
-    let of = |part: u64, all: u64, what: &str| {
-        (all > 0).then(|| format!("skipped {} of {} {what}", grouped(part), grouped(all)))
-    };
-    let triangles = skipped.triangles + skipped.triangles_skipped;
-    let of_samples = match mode {
-        ModeWord::Splat => "samples, which give nothing to what can be seen",
-        _ => "samples, which planes cut away",
-    };
-    let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
-    [
-        (skipped.bricks > 0).then(|| {
-            let what = match mode {
-                mode if mode.shows_values() => "nothing that can be seen",
-                _ => "no surface that can be seen",
-            };
-            let [part, all] = [skipped.bricks_skipped, skipped.bricks].map(grouped);
-            format!("{part} of {all} bricks hold {what}")
-        }),
-        of(skipped.samples_skipped, skipped.samples, of_samples),
-        of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
-        of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
-        of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),
-        (skipped.bricks_passed > 0).then(|| {
-            let bricks = grouped(skipped.bricks_passed);
-            format!("rays passed {bricks} times a brick without a surface")
-        }),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
-}
-
-fn mode_name(mode: ModeWord) -> &'static str {
-    match mode {
-        ModeWord::Surfaces => "surfaces",
-        ModeWord::IsoRaycast => "iso-raycast",
-        ModeWord::Raycast => "raycast",
-        ModeWord::Splat => "splat",
-    }
 }

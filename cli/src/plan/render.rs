@@ -20,7 +20,9 @@ use isokit::{
     io::VolumeOptions,
     mesh::Rgba,
     pipeline::IsoChoice,
-    render::{Background, Depth, Pattern, RasterOptions, RaycastOptions, Size, SolidTexture},
+    render::{
+        Background, Channel, Depth, Pattern, RasterOptions, RaycastOptions, Size, SolidTexture,
+    },
     scene::{CapStyle, Clip, Viewpoint},
 };
 use std::{
@@ -43,7 +45,15 @@ pub(crate) struct RenderPlan {
     pub(crate) size: Size,
     pub(crate) background: Background,
     pub(crate) depth: Depth,
-    /// Where the pictures go: none if it is only to be said what would be done.
+    /// Whether it is only to be said what would be done.
+    pub(crate) is_plan: bool,
+    /// One picture of each surface alone, side by side.
+    pub(crate) is_sheet: bool,
+    /// What else surfaces have, and where that goes.
+    pub(crate) channels: Vec<(Channel, PathBuf)>,
+    /// Where the chart of what values look like goes.
+    pub(crate) plot: Option<PathBuf>,
+    /// Where the pictures go: none if only something else is wanted.
     pub(crate) targets: Vec<Stream>,
     pub(crate) report: Option<TextTarget>,
 }
@@ -101,19 +111,22 @@ impl RenderPlan {
         let (targets, report) = targets(&args, &subject)?;
         let step = file.sampling.step.unwrap_or(RaycastOptions::DEFAULT.step);
         Ok(Self {
-            subject,
             mode,
             surfaces,
             clips,
             model,
             viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from))?,
-            raster: RasterOptions::DEFAULT
-                .with_light(light)
+            raster: model::raster(&file.light, mode)?
                 .with_smoothing(args.smoothing.unwrap_or_default().into()),
             raycast: RaycastOptions::DEFAULT.with_light(light).with_step(step).with_unit(unit),
             size,
             background: background(args.background.or(file.output.background)),
             depth: args.bits.into(),
+            is_plan: args.plan,
+            is_sheet: args.sheet,
+            channels: channels(&args, mode)?,
+            plot: plot(&args, &subject)?,
+            subject,
             targets,
             report,
         })
@@ -165,8 +178,12 @@ fn check_subject(
 /// That what was typed is of use for what is shown.
 fn check_use(args: &RenderArgs, mode: ModeWord, clips: &[Clip]) -> Result<(), UsageError> {
     let shows_values = mode.shows_values() || clips.iter().any(|clip| clip.cap == CapStyle::Slice);
+    if args.sheet && mode.shows_values() {
+        let says = "--sheet is of isovalues: add --iso, or leave it out";
+        return Err(UsageError(says.into()));
+    }
     let says = match (args.preset, args.smoothing) {
-        (Some(_), _) if !shows_values => {
+        (Some(_), _) if !shows_values && args.plot.is_none() => {
             "--preset is for values and slices of them: add --mode raycast, or leave it out"
         }
         (_, Some(_)) if mode.shows_values() => "--smoothing is for surfaces: leave it out",
@@ -244,12 +261,44 @@ fn background(ground: Option<Ground>) -> Background {
     }
 }
 
+/// What else surfaces have.
+fn channels(args: &RenderArgs, mode: ModeWord) -> Result<Vec<(Channel, PathBuf)>, UsageError> {
+    let depth = args.depth.as_ref().map(|path| (Channel::Depth, path.clone()));
+    let normals = args.normals.as_ref().map(|path| (Channel::Normal, path.clone()));
+    if args.normals.as_ref().is_some_and(|path| !is_png(path)) {
+        let says = "--normals: expected a name that ends in .png";
+        return Err(UsageError(says.into()));
+    }
+    let channels: Vec<_> = depth.into_iter().chain(normals).collect();
+    if !channels.is_empty() && mode.shows_values() {
+        let says = "--depth and --normals are of surfaces: add --iso, or leave them out";
+        return Err(UsageError(says.into()));
+    }
+    Ok(channels)
+}
+
+fn plot(args: &RenderArgs, subject: &Subject) -> Result<Option<PathBuf>, UsageError> {
+    match (&args.plot, subject) {
+        (Some(_), Subject::Mesh(_)) => {
+            Err(UsageError("a mesh has no values: leave out --plot".into()))
+        }
+        (Some(path), _) if !is_png(path) => {
+            let says = "--plot: expected a name that ends in .png";
+            Err(UsageError(says.into()))
+        }
+        (path, _) => Ok(path.clone()),
+    }
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+}
+
 /// Where pictures and report go.
 fn targets(args: &RenderArgs, subject: &Subject) -> Result<(Vec<Stream>, Option<TextTarget>)> {
     let report = args.report.as_deref().map(Stream::named).transpose()?;
     let output = args.output.as_deref().filter(|_| !args.plan);
     let Some(output) = output else { return Ok((vec![], report)) };
-    let is_png = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let frames = args.frames.map_or(1, usize::from);
     let targets = match Stream::named(output)? {
         Stream::Stdout if frames > 1 => {
@@ -261,7 +310,7 @@ fn targets(args: &RenderArgs, subject: &Subject) -> Result<(Vec<Stream>, Option<
             let says = "picture and report cannot both go to stdout: name a file for one of them";
             return Err(UsageError(says.into()).into());
         }
-        Stream::File(path) if !is_png => {
+        Stream::File(path) if !is_png(&path) => {
             let says = format!("{}: expected a name that ends in .png", path.display());
             return Err(UsageError(says).into());
         }
@@ -277,6 +326,10 @@ fn targets(args: &RenderArgs, subject: &Subject) -> Result<(Vec<Stream>, Option<
     let mut places = Places::of_input(input);
     if *input != args.input {
         places.add("the scene", &args.input)?;
+    }
+    let others = [("--depth", &args.depth), ("--normals", &args.normals), ("--plot", &args.plot)];
+    for (by, path) in others {
+        path.iter().try_for_each(|path| places.add(by, path))?;
     }
     let files = targets.iter().map(|target| ("--output", target));
     for (by, stream) in files.chain(report.as_ref().map(|report| ("--report", report))) {

@@ -134,6 +134,13 @@ pub enum Viewpoint {
 }
 
 impl Viewpoint {
+    /// That of a camera, whatever is seen.
+    pub fn of(camera: &Camera) -> Self {
+        let (from, forward, far) = (camera.from(), camera.forward(), camera.distance());
+        let at = Some(std::array::from_fn(|k| from[k] + far * forward[k]));
+        Self::At { from, at, up: camera.up(), projection: camera.projection() }
+    }
+
     /// The camera, for a box in a world with such axes.
     ///
     /// # Errors
@@ -217,7 +224,7 @@ impl Scene {
         assert_eq!(meshes.len(), self.surfaces.len(), "one mesh for each surface");
         self.check_names()?;
         let bounds = match self.viewpoint {
-            Viewpoint::Framed { .. } => self.visible(meshes).unwrap_or(around.0),
+            Viewpoint::Framed { .. } => self.extent(meshes).unwrap_or(around.0),
             // The middle stays where it is, whatever planes leave.
             Viewpoint::At { .. } => around.0,
         };
@@ -326,8 +333,18 @@ impl Scene {
         Ok((model, camera, self.cuts_of_all().collect()))
     }
 
+    /// The same scene with one of its surfaces alone to be seen.
+    #[must_use]
+    pub fn with_only(&self, surface: usize) -> Self {
+        let mut scene = self.clone();
+        for (n, look) in scene.surfaces.iter_mut().enumerate() {
+            look.opacity = if n == surface { look.opacity } else { 0.0 };
+        }
+        scene
+    }
+
     /// The box around the vertices that planes leave of the surfaces that can be seen, if it is more than a point.
-    fn visible(&self, meshes: &[TriMesh]) -> Option<Aabb> {
+    pub fn extent(&self, meshes: &[TriMesh]) -> Option<Aabb> {
         let seen = self.surfaces.iter().zip(meshes).filter(|(look, _)| look.opacity > 0.0);
         let places = seen.flat_map(|(look, mesh)| {
             let halves = self.halves(look);

@@ -191,6 +191,11 @@ impl Camera {
         self.forward
     }
 
+    /// What is up in the picture: of length 1.
+    pub fn up(&self) -> Vector {
+        self.up
+    }
+
     /// How rays lie to each other.
     pub fn projection(&self) -> Projection {
         self.projection

@@ -13,7 +13,10 @@
 mod cell;
 mod walk;
 
-use crate::{Camera, Cap, Gathered, Image, Paint, RasterError, RasterOptions, Size, Trilinear};
+use crate::{
+    Camera, Cap, Gathered, Image, Paint, RasterError, RasterOptions, Size, Trilinear,
+    shading::Shading,
+};
 use isokit_geom::HalfSpace;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
@@ -93,13 +96,20 @@ pub fn isocast<T: Sample>(
     let sides: Option<Vec<Sides>> =
         bricks.map(|bricks| seen.iter().map(|surface| bricks.sides(threshold(surface))).collect());
     let thresholds: Vec<_> = seen.iter().map(threshold).collect();
+    let opaque: Vec<_> = seen.iter().copied().filter(|surface| surface.opacity >= 1.0).collect();
+    let quiet = job.unwatched();
+    let bounds = scene.view.grid().bounds();
+    let shading = Shading::new(camera, options, Some(bounds), |view, options| {
+        let scene = Isosurfaces { surfaces: &opaque, ..*scene };
+        Ok::<_, RasterError>(isocast(&scene, view, options, &quiet)?.0)
+    })?;
     let walk = Walk {
         field: Trilinear::new(*scene.view),
         surfaces: &seen,
         thresholds: &thresholds,
         sides: sides.as_deref(),
         caps: scene.caps,
-        light: options.light,
+        shading: &shading,
     };
     let points = options.smoothing.places();
     let share = 1.0 / points.len() as f32;

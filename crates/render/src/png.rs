@@ -1,6 +1,6 @@
 //! Pictures as PNG (ISO/IEC 15948), in sRGB.
 
-use crate::{Background, Image};
+use crate::{Background, Channel, Image};
 use std::io::Write;
 
 /// Bits of each part of a colour.
@@ -59,10 +59,65 @@ pub fn write_png(
     Ok(())
 }
 
+/// Writes what is no colour with 16 bits, as it is and not as light: of [`Channel::Depth`] a grey from the nearest, 0, to
+/// the farthest, 1, which come back; of [`Channel::Normal`] three parts from −1, as 0, to 1. Nothing is seen through.
+///
+/// # Errors
+///
+/// If `out` takes no more.
+///
+/// # Panics
+///
+/// If the channel is that of colours.
+pub fn write_channel_png(
+    image: &Image,
+    channel: Channel,
+    out: impl Write,
+) -> Result<Option<[f32; 2]>, PngError> {
+    assert_ne!(channel, Channel::Color, "colours are written by write_png");
+    let seen = || image.pixels().iter().filter(|pixel| pixel.opacity > 0.0);
+    let depths = seen().map(|pixel| pixel.color[0]);
+    let [near, far] = depths
+        .fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], depth| [a.min(depth), b.max(depth)]);
+    let size = image.size();
+    let mut encoder = png::Encoder::new(out, size.width.get(), size.height.get());
+    encoder.set_depth(png::BitDepth::Sixteen);
+    encoder.set_color(match channel {
+        Channel::Normal => png::ColorType::Rgba,
+        _ => png::ColorType::GrayscaleAlpha,
+    });
+    let mut writer = encoder.write_header()?;
+    let mut stream = writer.stream_writer()?;
+    let width = size.width.get() as usize;
+    let mut row = Vec::with_capacity(width * 8);
+    for pixels in image.pixels().chunks(width) {
+        row.clear();
+        let mut put = |share: f32| {
+            row.extend(((share.clamp(0.0, 1.0) * 65535.0).round() as u16).to_be_bytes());
+        };
+        for pixel in pixels {
+            let is_seen = pixel.opacity > 0.0;
+            match channel {
+                Channel::Normal => pixel
+                    .color
+                    .iter()
+                    .for_each(|part| put(if is_seen { 0.5 * part + 0.5 } else { 0.0 })),
+                _ if is_seen && far > near => put((pixel.color[0] - near) / (far - near)),
+                _ => put(0.0),
+            }
+            put(f32::from(u8::from(is_seen)));
+        }
+        stream.write_all(&row).map_err(png::EncodingError::from)?;
+    }
+    stream.finish()?;
+    writer.finish()?;
+    Ok((near <= far).then_some([near, far]))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Depth, write_png};
-    use crate::{Background, Gathered, Image, Size};
+    use super::{Depth, write_channel_png, write_png};
+    use crate::{Background, Channel, Gathered, Image, Size};
     use isokit_job::Limits;
     use std::{io::Cursor, num::NonZeroU32};
 
@@ -106,5 +161,32 @@ mod tests {
             pixels.chunks(2).map(|two| u16::from_be_bytes([two[0], two[1]])).collect();
         // Half of the light has the code 0.735357.
         assert_eq!(parts[..6], [48_192, 0, 48_192, 0, 0, 65_535]);
+    }
+
+    #[test]
+    fn depths_and_normals_are_written_as_they_are() {
+        let mut image = picture();
+        let seen = |color| Gathered { color, opacity: 1.0 };
+        image.pixels_mut().copy_from_slice(&[
+            seen([-1.0, 0.0, 1.0]),
+            Gathered::NOTHING,
+            seen([3.0; 3]),
+            seen([1.0; 3]),
+        ]);
+        let written = |channel| {
+            let mut file = vec![];
+            let range = write_channel_png(&image, channel, &mut file).unwrap();
+            let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
+            let mut all = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut all).unwrap();
+            let parts = all.chunks(2).map(|two| u16::from_be_bytes([two[0], two[1]]));
+            (range, parts.collect::<Vec<_>>())
+        };
+        let most = u16::MAX;
+        let (range, depths) = written(Channel::Depth);
+        assert_eq!(range, Some([-1.0, 3.0]));
+        assert_eq!(depths, [0, most, 0, 0, most, most, 1 << 15, most]);
+        let (_, normals) = written(Channel::Normal);
+        assert_eq!(normals[..8], [0, 1 << 15, most, most, 0, 0, 0, 0]);
     }
 }

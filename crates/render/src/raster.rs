@@ -19,10 +19,10 @@ mod resolve;
 mod screen;
 mod tile;
 
-use crate::{Camera, Gathered, Image, Light, Ray, Size};
+use crate::{Camera, Channel, Gathered, Image, Light, Ray, Size, shading::Shading};
 use bins::Bins;
 use isokit_geom::{
-    HalfSpace,
+    Aabb, HalfSpace,
     vector::{Vector, dot},
 };
 use isokit_job::{Job, OverLimit, Stopped};
@@ -44,6 +44,21 @@ pub struct Painted<'a> {
     pub opacity: f32,
     /// What is kept of it: what is in all of these.
     pub clips: &'a [HalfSpace],
+}
+
+impl Painted<'_> {
+    /// The same, and nothing shows through.
+    fn whole(&self) -> Self {
+        Self { opacity: 1.0, ..*self }
+    }
+}
+
+/// The box around surfaces.
+fn bounds(surfaces: &[Painted<'_>]) -> Option<Aabb> {
+    let is_finite = |place: &&Vector| place.iter().all(|c| c.is_finite());
+    Aabb::around(
+        surfaces.iter().flat_map(|painted| painted.mesh.positions.iter()).filter(|p| is_finite(&p)),
+    )
 }
 
 /// Which colour places have, in linear light, not multiplied by an opacity.
@@ -86,6 +101,16 @@ pub struct RasterOptions {
     pub light: Option<Light>,
     /// How many points of a pixel are looked at. Changes the edges of surfaces. Default: [`Smoothing::Four`].
     pub smoothing: Smoothing,
+    /// What pixels are. Default: [`Channel::Color`].
+    pub channel: Channel,
+    /// Where light comes from, in the world; of any length above 0. Changes the picture. Default: `None`, from the eye.
+    pub light_from: Option<Vector>,
+    /// Whether opaque surfaces and caps are in the way of light that does not come from the eye. Changes the picture,
+    /// and needs one more picture of what is seen. Default: false.
+    pub shadows: bool,
+    /// How much darker it is where what is opaque is in the way of light from all around: from 0 to 1, where places
+    /// that see nothing but walls are dark. Changes the picture, and needs 64 small ones of what is seen. Default: 0.
+    pub occlusion: f32,
 }
 
 /// How many points of a pixel are looked at: no two of them in a line with an edge of the picture.
@@ -102,7 +127,18 @@ pub enum Smoothing {
 
 impl RasterOptions {
     /// The defaults named above.
-    pub const DEFAULT: Self = Self { light: Some(Light::DEFAULT), smoothing: Smoothing::Four };
+    pub const DEFAULT: Self =
+        Self { light: Some(Light::DEFAULT), smoothing: Smoothing::Four, ..Self::PLAIN };
+
+    /// Colours as they are, one point for each pixel.
+    pub(crate) const PLAIN: Self = Self {
+        light: None,
+        smoothing: Smoothing::None,
+        channel: Channel::Color,
+        light_from: None,
+        shadows: false,
+        occlusion: 0.0,
+    };
 
     /// The same options with another `light`.
     pub const fn with_light(mut self, light: Option<Light>) -> Self {
@@ -113,6 +149,27 @@ impl RasterOptions {
     /// The same options with another `smoothing`.
     pub const fn with_smoothing(mut self, smoothing: Smoothing) -> Self {
         self.smoothing = smoothing;
+        self
+    }
+
+    /// The same options for another `channel`: of what is nearest, at the middle of each pixel.
+    pub const fn with_channel(mut self, channel: Channel) -> Self {
+        self.channel = channel;
+        if !matches!(channel, Channel::Color) {
+            self.smoothing = Smoothing::None;
+        }
+        self
+    }
+
+    /// The same options with light from elsewhere, and `shadows` or none.
+    pub const fn with_light_from(mut self, from: Option<Vector>, shadows: bool) -> Self {
+        (self.light_from, self.shadows) = (from, shadows);
+        self
+    }
+
+    /// The same options with another `occlusion`.
+    pub const fn with_occlusion(mut self, occlusion: f32) -> Self {
+        self.occlusion = occlusion;
         self
     }
 }
@@ -189,10 +246,22 @@ pub fn rasterize(
     if size.width.get().max(size.height.get()) > MOST_PIXELS {
         return Err(RasterError::Size(size));
     }
+    let quiet = job.unwatched();
+    let in_the_way = |painted: &&Painted<'_>| painted.opacity >= 1.0;
+    let opaque: Vec<_> = surfaces.iter().filter(in_the_way).copied().collect();
+    let shading = Shading::new(camera, options, bounds(&opaque), |view, options| {
+        Ok::<_, RasterError>(rasterize(&opaque, caps, view, options, &quiet)?.0)
+    })?;
+    let surfaces = match options.channel {
+        Channel::Color => surfaces.to_vec(),
+        // All that is seen is opaque.
+        _ => surfaces.iter().filter(|painted| painted.opacity > 0.0).map(Painted::whole).collect(),
+    };
+    let surfaces = &surfaces[..];
     let mut image = Image::new(size, &job.limits)?;
     let view = Viewport::new(camera, size);
     let (bins, binned) = exactly(|| Bins::of(surfaces, &view, job))?;
-    let resolve = Resolve::new(surfaces, caps, &view, &bins, options);
+    let resolve = Resolve { surfaces, caps, view: &view, bins: &bins, shading: &shading };
     let width = size.width.get() as usize;
     let [columns, rows] = bins.tiles();
     job.progress.begin("render", rows as u64);

@@ -75,7 +75,7 @@ impl SolidTexture {
             Pattern::Granite => turbulence([2.0 * x, 2.0 * y, 2.0 * z]).min(1.0),
         } as f32;
         let [a, b] = self.colors;
-        std::array::from_fn(|n| a[n] + (b[n] - a[n]) * share)
+        std::array::from_fn(|n| a[n] * (1.0 - share) + b[n] * share)
     }
 }
 

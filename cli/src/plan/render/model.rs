@@ -8,7 +8,9 @@ use crate::{
     },
 };
 use isokit::{
-    render::{ControlPoint, Light, Material, Mixture, SlopeFunction, TransferFunction},
+    render::{
+        ControlPoint, Light, Material, Mixture, RasterOptions, SlopeFunction, TransferFunction,
+    },
     scene::Preset,
 };
 
@@ -131,4 +133,31 @@ pub(super) fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
         return Err(UsageError(format!("{says} {shares:?}")));
     }
     Ok((shading != ShadingWord::None).then_some(light))
+}
+
+/// How surfaces are lit.
+pub(super) fn raster(table: &LightTable, mode: ModeWord) -> Result<RasterOptions, UsageError> {
+    let LightTable { shading, from, shadows, occlusion, .. } = table.clone();
+    let refuse = |says: &str| Err(UsageError(format!("[light] {says}")));
+    let is_wanted = from.is_some() || shadows.is_some() || occlusion.is_some();
+    if is_wanted && mode.shows_values() {
+        return refuse("from, shadows and occlusion: expected surfaces, found values");
+    }
+    if is_wanted && shading == ShadingWord::None {
+        return refuse("from, shadows and occlusion: expected shading, found shading = \"none\"");
+    }
+    if from.is_some_and(|from| from == [0.0; 3] || !from.iter().all(|c| c.is_finite())) {
+        return refuse("from: expected a direction, three finite numbers of which one is not 0");
+    }
+    if shadows == Some(true) && from.is_none() {
+        return refuse("shadows: light that comes from the eye has none: add from = [x, y, z]");
+    }
+    let occlusion = occlusion.unwrap_or(0.0);
+    if !(0.0..=1.0).contains(&occlusion) {
+        return refuse(&format!("occlusion: expected a number from 0 to 1, found {occlusion}"));
+    }
+    Ok(RasterOptions::DEFAULT
+        .with_light(light(table)?)
+        .with_light_from(from, shadows.unwrap_or(false))
+        .with_occlusion(occlusion))
 }

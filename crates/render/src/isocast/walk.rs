@@ -1,7 +1,7 @@
 //! One ray, cell by cell.
 
 use super::{Isosurface, Traced, cell::Cubic};
-use crate::{Cap, Gathered, Light, Paint, Ray, Trilinear, gather::OPAQUE};
+use crate::{Cap, Gathered, Paint, Ray, Trilinear, gather::OPAQUE, shading::Shading};
 use isokit_geom::vector::Vector;
 use isokit_lanes::{Side, Threshold};
 use isokit_volume::{Sample, Sides};
@@ -15,7 +15,7 @@ pub(super) struct Walk<'a, T> {
     /// On which side of each surface bricks are.
     pub(super) sides: Option<&'a [Sides]>,
     pub(super) caps: &'a [Cap<'a>],
-    pub(super) light: Option<Light>,
+    pub(super) shading: &'a Shading<'a>,
 }
 
 /// What is known of a ray on its way.
@@ -213,25 +213,28 @@ impl<T: Sample> Walk<'_, T> {
                 continue;
             }
             traced.lit += 1;
-            let color = match paint {
+            let color = || match paint {
                 Paint::Plain(color) => color,
                 Paint::Solid(color) => color(place),
             };
-            let color = self.light.map_or(color, |light| {
-                let normal = match met.border {
-                    Some(axis) => self.field.across(axis),
-                    None => self.field.gradient(self.field.affine().inverse_point(place)),
-                };
-                light.shade(color, normal, ray.direction)
-            });
-            known.gathered = known.gathered.over(Gathered::new(color, opacity.min(1.0)));
+            let normal = || match met.border {
+                Some(axis) => self.field.across(axis),
+                None => self.field.gradient(self.field.affine().inverse_point(place)),
+            };
+            let color = self.shading.color(color, normal, place, ray.direction);
+            let opacity = self.shading.opacity(opacity);
+            known.gathered = known.gathered.over(Gathered::new(color, opacity));
         }
         known.gathered.opacity < OPAQUE
     }
 
     fn meet_caps(&self, ray: &Ray, known: &mut Known) {
         known.caps.clear();
-        known.caps.extend(self.caps.iter().filter_map(|cap| cap.along(ray)));
+        known.caps.extend(self.caps.iter().filter_map(|cap| {
+            let (far, look) = cap.along(ray)?;
+            let place = std::array::from_fn(|k| ray.origin[k] + far * ray.direction[k]);
+            Some((far, self.shading.cap(look, cap.half.normal(), place, ray.direction)))
+        }));
         known.caps.sort_by(|a, b| b.0.total_cmp(&a.0));
     }
 

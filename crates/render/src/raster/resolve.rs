@@ -1,21 +1,21 @@
 //! From what is seen at points to the colours of pixels.
 
 use super::{
-    Cap, Drawn, Paint, Painted, RasterOptions,
+    Cap, Drawn, Paint, Painted,
     bins::Bins,
     screen::{PARTS, Viewport},
     tile::{NONE, TILE, Tile, key, triangle_of},
 };
-use crate::{Gathered, Light, Ray, gather::OPAQUE};
+use crate::{Gathered, Ray, gather::OPAQUE, shading::Shading};
 use isokit_geom::vector::{Vector, cross, dot, normal, sub};
 
 /// All that pixels have in common.
 pub(super) struct Resolve<'a> {
-    surfaces: &'a [Painted<'a>],
-    caps: &'a [Cap<'a>],
-    view: &'a Viewport<'a>,
-    bins: &'a Bins<'a>,
-    light: Option<Light>,
+    pub(super) surfaces: &'a [Painted<'a>],
+    pub(super) caps: &'a [Cap<'a>],
+    pub(super) view: &'a Viewport<'a>,
+    pub(super) bins: &'a Bins<'a>,
+    pub(super) shading: &'a Shading<'a>,
 }
 
 /// What of a pixel is known while its points are looked at.
@@ -27,17 +27,7 @@ struct Pixel {
     layers: Vec<(u64, Option<Gathered>)>,
 }
 
-impl<'a> Resolve<'a> {
-    pub(super) fn new(
-        surfaces: &'a [Painted<'a>],
-        caps: &'a [Cap<'a>],
-        view: &'a Viewport<'a>,
-        bins: &'a Bins<'a>,
-        options: &RasterOptions,
-    ) -> Self {
-        Self { surfaces, caps, view, bins, light: options.light }
-    }
-
+impl Resolve<'_> {
     /// Fills the pixels of a tile, row by row.
     pub(super) fn tile<'p>(
         &self,
@@ -120,6 +110,7 @@ impl<'a> Resolve<'a> {
             let Some((far, look)) = cap.along(&ray) else { continue };
             let place = std::array::from_fn(|k| ray.origin[k] + far * ray.direction[k]);
             // In front of a triangle of the same depth, which is the rim of the hole.
+            let look = self.shading.cap(look, cap.half.normal(), place, ray.direction);
             let depth = self.view.depth(place);
             layers.extend(depth.map(|depth| (key(depth, number), Some(look))));
         }
@@ -142,22 +133,23 @@ impl<'a> Resolve<'a> {
         let mix = |of: [Vector; 3]| -> Vector {
             std::array::from_fn(|k| (0..3).map(|n| shares[n] * of[n][k]).sum())
         };
-        let color = match paint {
+        let place = mix(corners);
+        let color = || match paint {
             Paint::Plain(color) => color,
-            Paint::Solid(color) => color(mix(corners)),
+            Paint::Solid(color) => color(place),
         };
-        let color = self.light.map_or(color, |light| {
-            let of = |normals: &[[f32; 3]], vertex: u32| normals.get(vertex as usize).copied();
-            let normal =
+        let across =
+            || {
+                let of = |normals: &[[f32; 3]], vertex: u32| normals.get(vertex as usize).copied();
                 match &mesh.normals {
                     // One that is not there is 0: the others count.
                     Some(normals) => mix(vertices
                         .map(|vertex| of(normals, vertex).unwrap_or_default().map(f64::from))),
                     None => normal(corners),
-                };
-            light.shade(color, normal, ray.direction)
-        });
-        let found = Gathered::new(color, opacity.min(1.0));
+                }
+            };
+        let color = self.shading.color(color, across, place, ray.direction);
+        let found = Gathered::new(color, self.shading.opacity(opacity));
         known.lit.push((triangle, found));
         found
     }

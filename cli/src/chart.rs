@@ -1,0 +1,198 @@
+//! Pictures that are drawn: what values look like, over how often they occur; and words on pictures.
+
+use anyhow::Result;
+use embedded_graphics::{
+    mono_font::{MonoTextStyle, ascii::FONT_6X13},
+    pixelcolor::Rgb888,
+    prelude::*,
+    primitives::{Line, PrimitiveStyle, Rectangle},
+    text::{Alignment, Text, TextStyleBuilder},
+};
+use isokit::{
+    job::Job,
+    mesh::{Rgba, srgb_of_linear},
+    render::{Gathered, Image, OpticalModel, Size, TransferFunction},
+    volume::Histogram,
+};
+use std::{convert::Infallible, num::NonZeroU32};
+
+/// A picture to draw on.
+pub(crate) struct Canvas<'a>(pub(crate) &'a mut Image);
+
+impl OriginDimensions for Canvas<'_> {
+    fn size(&self) -> embedded_graphics::geometry::Size {
+        let size = self.0.size();
+        embedded_graphics::geometry::Size::new(size.width.get(), size.height.get())
+    }
+}
+
+impl DrawTarget for Canvas<'_> {
+    type Color = Rgb888;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(
+        &mut self,
+        pixels: I,
+    ) -> Result<(), Infallible> {
+        let size = self.0.size();
+        let [width, height] = [size.width, size.height].map(|n| n.get() as i32);
+        for Pixel(Point { x, y }, color) in pixels {
+            if (0..width).contains(&x) && (0..height).contains(&y) {
+                let [r, g, b, _] = Rgba([color.r(), color.g(), color.b(), u8::MAX]).to_linear();
+                self.0.pixels_mut()[(y * width + x) as usize] = Gathered::new([r, g, b], 1.0);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Canvas<'_> {
+    /// Words whose first or last letter, or middle, is at a place, on its line.
+    pub(crate) fn words(&mut self, text: &str, [x, y]: [i32; 2], color: Rgb888, side: Alignment) {
+        let font = MonoTextStyle::new(&FONT_6X13, color);
+        let style = TextStyleBuilder::new().alignment(side).build();
+        let Ok(_) = Text::with_text_style(text, Point::new(x, y), font, style).draw(self);
+    }
+
+    fn fill(&mut self, [x, y]: [i32; 2], [width, height]: [u32; 2], color: Rgb888) {
+        let size = embedded_graphics::geometry::Size::new(width, height);
+        let area = Rectangle::new(Point::new(x, y), size);
+        let Ok(()) = area.into_styled(PrimitiveStyle::with_fill(color)).draw(self);
+    }
+
+    fn line(&mut self, [a, b]: [[i32; 2]; 2], color: Rgb888, wide: u32) {
+        let line = Line::new(Point::new(a[0], a[1]), Point::new(b[0], b[1]));
+        let Ok(()) = line.into_styled(PrimitiveStyle::with_stroke(color, wide)).draw(self);
+    }
+}
+
+const WIDTH: i32 = 960;
+const HEIGHT: i32 = 480;
+/// What is left free around the chart: left, right, top, bottom.
+const FREE: [i32; 4] = [56, 24, 34, 62];
+const INK: Rgb888 = Rgb888::new(0x30, 0x30, 0x30);
+const GREY: Rgb888 = Rgb888::new(0xc4, 0xc8, 0xcc);
+const PAPER: Rgb888 = Rgb888::new(0xff, 0xff, 0xff);
+
+/// What values look like, over a histogram of them: opacities as lines, colours as a band below, and isovalues.
+pub(crate) fn plot(
+    histogram: &Histogram,
+    model: &OpticalModel,
+    isos: &[(String, f64, [f32; 3])],
+    job: &Job,
+) -> Result<Image> {
+    let side = |n: i32| NonZeroU32::MIN.saturating_add(n as u32 - 1);
+    let size = Size { width: side(WIDTH), height: side(HEIGHT) };
+    let mut image = Image::new(size, &job.limits)?;
+    let mut canvas = Canvas(&mut image);
+    canvas.fill([0, 0], [WIDTH as u32, HEIGHT as u32], PAPER);
+    let [left, right, top, bottom] = FREE;
+    let (wide, tall) = (WIDTH - left - right, HEIGHT - top - bottom);
+    let [least, greatest] = histogram.range;
+    let span = if greatest > least { greatest - least } else { 1.0 };
+    let value = |column: f64| least + span * column / f64::from(wide - 1);
+    let column = |value: f64| left + ((value - least) / span * f64::from(wide - 1)).round() as i32;
+    let level = |share: f64| top + tall - (share * f64::from(tall)).round() as i32;
+    // How often values occur, by columns; logarithms let one see the few beside the many.
+    let mut counts = vec![0_u64; wide as usize];
+    for (bin, &count) in histogram.counts.iter().enumerate() {
+        let place = (column(histogram.middle(bin)) - left).clamp(0, wide - 1);
+        counts[place as usize] += count;
+    }
+    // Where bins are wider than columns, a column has what its bin has.
+    let bins_per_column = span / histogram.width / f64::from(wide);
+    let most = counts.iter().copied().max().unwrap_or(0).max(1);
+    let mut before = 0;
+    for (n, &count) in (0..wide).zip(&counts) {
+        before = if count == 0 && bins_per_column < 1.0 { before } else { count };
+        let share = (before as f64).ln_1p() / (most as f64).ln_1p();
+        let y = level(share);
+        canvas.fill([left + n, y], [1, (top + tall - y) as u32], GREY);
+    }
+    for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        let y = level(share);
+        canvas.line([[left - 4, y], [left, y]], INK, 1);
+        canvas.words(&format!("{share}"), [left - 8, y + 4], INK, Alignment::Right);
+    }
+    canvas.words(
+        "opacity, over how often values occur (logarithm)",
+        [left, top - 14],
+        INK,
+        Alignment::Left,
+    );
+    canvas.line([[left, top + tall], [left + wide, top + tall]], INK, 1);
+    canvas.line([[left, top], [left, top + tall]], INK, 1);
+    for tick in ticks([least, greatest]) {
+        let x = column(tick);
+        canvas.line([[x, top + tall], [x, top + tall + 4]], INK, 1);
+        canvas.words(&format!("{tick}"), [x, top + tall + 40], INK, Alignment::Center);
+    }
+    for (name, iso, color) in isos {
+        if (least..=greatest).contains(iso) {
+            let x = column(*iso);
+            canvas.line([[x, top], [x, top + tall]], code(*color), 2);
+            canvas.words(name, [x + 4, top + 10], INK, Alignment::Left);
+        }
+    }
+    // What is looked up, and the steps of functions as they are.
+    let functions: Vec<&TransferFunction> = match model {
+        OpticalModel::Values(function) => vec![function],
+        OpticalModel::Slopes(slopes) => slopes.rows().map(|(_, function)| function).collect(),
+        OpticalModel::Mixture(mixture) => vec![mixture.substance()],
+    };
+    for function in functions {
+        let mut before: Option<[i32; 2]> = None;
+        for n in 0..4 * wide {
+            let share = f64::from(n) / 4.0;
+            let y = level(function.at(value(share)).opacity.into());
+            let here = [left + share as i32, y];
+            canvas.line([before.unwrap_or(here), here], INK, 2);
+            before = Some(here);
+        }
+    }
+    for n in 0..wide {
+        let color = code(model.at(value(f64::from(n))).color);
+        canvas.fill([left + n, top + tall + 10], [1, 14], color);
+    }
+    Ok(image)
+}
+
+/// A colour in linear light as files write it.
+fn code(color: [f32; 3]) -> Rgb888 {
+    let [r, g, b] = color.map(|part| (srgb_of_linear(part.into()) * 255.0).round() as u8);
+    Rgb888::new(r, g, b)
+}
+
+/// From five to ten round numbers in a range.
+fn ticks([least, greatest]: [f64; 2]) -> Vec<f64> {
+    let span = greatest - least;
+    if !(span > 0.0 && span.is_finite()) {
+        return vec![least];
+    }
+    let ten = 10.0_f64.powf(span.log10().floor() - 1.0);
+    let fits = |step: &f64| span / step <= 10.0;
+    let step = [1.0, 2.0, 5.0, 10.0, 20.0].map(|n| n * ten).into_iter().find(fits).unwrap_or(span);
+    let first = (least / step).ceil() as i64;
+    let last = (greatest / step).floor() as i64;
+    // Divided, where that is a whole number, so that 0.3 is 0.3.
+    let round = |n: i64| if step < 1.0 { n as f64 / step.recip().round() } else { n as f64 * step };
+    (first..=last).take(12).map(round).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ticks;
+
+    #[test]
+    fn ticks_are_five_to_ten_round_numbers() {
+        assert_eq!(ticks([0.0, 100.0]), (0..=10).map(|n| 10.0 * f64::from(n)).collect::<Vec<_>>());
+        assert_eq!(ticks([-1024.0, 3071.0])[..3], [-1000.0, -500.0, 0.0]);
+        assert_eq!(ticks([0.05, 0.42]), [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]);
+        assert_eq!(ticks([3.0, 3.0]), [3.0]);
+        for n in 0..400 {
+            let span = 1.07_f64.powi(n - 200);
+            let count = ticks([0.3 * span, 1.3 * span]).len();
+            assert!((4..=11).contains(&count), "{span}: {count}");
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The pictures themselves, and the files that they become.
+
+use super::Seen;
+use crate::{
+    Session,
+    chart::{self, Canvas},
+    fault::UsageError,
+    plan::{RenderPlan, Stream},
+    report::{RenderSkipped, RenderTimings, timed},
+    scene_file::ModeWord,
+};
+use anyhow::{Context, Result};
+use embedded_graphics::{pixelcolor::Rgb888, prelude::RgbColor, text::Alignment};
+use isokit::{
+    geom::Frame,
+    io::{Output, write_volume},
+    job::Job,
+    render::{Background, Channel, Depth, Gathered, Image, Size, write_channel_png, write_png},
+    scene::{Scene, Viewpoint},
+    volume::{Grid, Volume},
+};
+use std::{
+    io::{BufWriter, Write},
+    num::NonZeroU32,
+    path::Path,
+};
+
+/// Makes and writes one picture after the other.
+pub(super) fn pictures(
+    plan: &RenderPlan,
+    seen: &mut Seen,
+    (skipped, timings): (&mut RenderSkipped, &mut RenderTimings),
+    session: &mut Session<'_, '_>,
+) -> Result<()> {
+    for (viewpoint, target) in plan.viewpoints.iter().zip(&plan.targets) {
+        seen.scene.viewpoint = *viewpoint;
+        let job = session.job.clone();
+        let image = timed(&mut timings.render, || match plan.is_sheet {
+            true => sheet(plan, seen, skipped, &job),
+            false => picture(plan, seen, plan.size, skipped, &job),
+        })?;
+        timed(&mut timings.write, || write(plan, &image, target, session))?;
+    }
+    Ok(())
+}
+
+/// One picture.
+fn picture(
+    plan: &RenderPlan,
+    seen: &Seen,
+    size: Size,
+    skipped: &mut RenderSkipped,
+    job: &Job,
+) -> Result<Image> {
+    match (plan.mode, &seen.scan) {
+        (ModeWord::Raycast, Some(scan)) => {
+            let (image, cast) = seen.scene.cast(scan, size, job)?;
+            skipped.add_cast(&cast);
+            Ok(image)
+        }
+        (ModeWord::Splat, Some(scan)) => {
+            let (image, splatted) = seen.scene.splat(scan, size, job)?;
+            skipped.add_splatted(&splatted);
+            Ok(image)
+        }
+        _ => surfaces(plan, seen, &seen.scene, size, skipped, job),
+    }
+}
+
+/// The picture of the surfaces of a scene.
+fn surfaces(
+    plan: &RenderPlan,
+    seen: &Seen,
+    scene: &Scene,
+    size: Size,
+    skipped: &mut RenderSkipped,
+    job: &Job,
+) -> Result<Image> {
+    match (plan.mode, &seen.scan) {
+        (ModeWord::IsoRaycast, Some(scan)) => {
+            let (image, traced) = scene.trace(scan, size, job)?;
+            skipped.add_traced(&traced);
+            Ok(image)
+        }
+        (_, scan) => {
+            let subject = (scan.as_ref(), seen.around);
+            let (image, drawn) = scene.draw(&seen.meshes, subject, size, job)?;
+            skipped.add_drawn(&drawn);
+            Ok(image)
+        }
+    }
+}
+
+/// Each surface alone, side by side, all from the same place, with their names.
+fn sheet(plan: &RenderPlan, seen: &Seen, skipped: &mut RenderSkipped, job: &Job) -> Result<Image> {
+    let scene = &seen.scene;
+    let count = scene.surfaces.len().max(1) as u32;
+    let [width, height] = [plan.size.width, plan.size.height].map(|n| n.get());
+    // As many side by side as make cells about square.
+    let square = f64::from(count) * f64::from(width) / f64::from(height);
+    let columns = (square.sqrt().round() as u32).clamp(1, count);
+    let rows = count.div_ceil(columns);
+    let cell = NonZeroU32::new(width / columns).zip(NonZeroU32::new(height / rows));
+    let Some((of_width, of_height)) = cell else {
+        return Err(
+            UsageError(format!("{count} pictures do not fit into {width} x {height}")).into()
+        );
+    };
+    let cell = Size { width: of_width, height: of_height };
+    let (around, space) = seen.around;
+    let bounds = scene.extent(&seen.meshes).unwrap_or(around);
+    let camera = scene.viewpoint.camera((bounds, space), cell)?;
+    let mut image = Image::new(plan.size, &job.limits)?;
+    for (n, look) in (0..count).zip(&scene.surfaces) {
+        let mut only = scene.with_only(n as usize);
+        only.viewpoint = Viewpoint::of(&camera);
+        let one = surfaces(plan, seen, &only, cell, skipped, job)?;
+        let [left, top] = [n % columns * cell.width.get(), n / columns * cell.height.get()];
+        for (row, pixels) in (0..).zip(one.pixels().chunks(cell.width.get() as usize)) {
+            let first = (top + row) as usize * width as usize + left as usize;
+            image.pixels_mut()[first..first + pixels.len()].copy_from_slice(pixels);
+        }
+        let name = match look.iso {
+            Some(iso) if !look.name.starts_with("iso_") => format!("{} ({iso})", look.name),
+            _ => look.name.clone(),
+        };
+        let is_light = match plan.background {
+            Background::Color(color) => color.iter().sum::<f32>() > 0.6,
+            Background::Transparent => true,
+        };
+        let ink = if is_light { Rgb888::BLACK } else { Rgb888::WHITE };
+        let place = [left as i32 + 8, (top + cell.height.get()) as i32 - 8];
+        Canvas(&mut image).words(&name, place, ink, Alignment::Left);
+    }
+    Ok(image)
+}
+
+/// Writes what else surfaces have.
+pub(super) fn channels(plan: &RenderPlan, seen: &Seen, session: &Session<'_, '_>) -> Result<()> {
+    for (channel, path) in &plan.channels {
+        let mut scene = seen.scene.clone();
+        scene.raster = scene.raster.with_channel(*channel);
+        let mut skipped = RenderSkipped::default();
+        let image = surfaces(plan, seen, &scene, plan.size, &mut skipped, &session.job)?;
+        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        if !is_png {
+            let depth = |pixel: &Gathered| {
+                if pixel.opacity > 0.0 { pixel.color[0] } else { f32::NAN }
+            };
+            let [width, height] = [plan.size.width, plan.size.height].map(|n| n.get().into());
+            let grid = Grid::new([width, height, 1], Frame::default())?;
+            let depths = image.pixels().iter().map(depth).collect();
+            write_volume(path, &Volume::new(grid, depths)?.into(), &session.job)?;
+        } else {
+            let range =
+                to_file(path, session, |out| Ok(write_channel_png(&image, *channel, out)?))?;
+            if let (Channel::Depth, Some([near, far])) = (channel, range) {
+                session.console.note(&format!("depths are from {near} to {far} world units"));
+            }
+            continue;
+        }
+        session.console.info(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+/// Writes the chart of what values look like.
+pub(super) fn plot(
+    path: &Path,
+    plan: &RenderPlan,
+    seen: &Seen,
+    session: &Session<'_, '_>,
+) -> Result<()> {
+    let Some(scan) = &seen.scan else { return Ok(()) };
+    let made;
+    let model = match &seen.scene.model {
+        Some(model) => model,
+        None => {
+            made = super::model(&plan.model, scan, session)?;
+            &made
+        }
+    };
+    let Some(histogram) = scan.histogram(&session.job)? else {
+        let says = "no value is finite: there is nothing to plot";
+        return Err(UsageError(says.into()).into());
+    };
+    let isos = seen.scene.surfaces.iter();
+    let isos = isos.filter_map(|look| Some((look.name.clone(), look.iso?, look.color)));
+    let image = chart::plot(histogram, model, &isos.collect::<Vec<_>>(), &session.job)?;
+    let ground = Background::Color([1.0; 3]);
+    to_file(path, session, |out| Ok(write_png(&image, ground, Depth::Eight, out)?))
+}
+
+/// Writes a file that appears when it is whole.
+fn to_file<R>(
+    path: &Path,
+    session: &Session<'_, '_>,
+    write: impl FnOnce(&mut dyn Write) -> Result<R>,
+) -> Result<R> {
+    let mut output = Output::create(path)?;
+    let mut buffer = BufWriter::new(&mut output);
+    let what = || format!("{}: cannot write", path.display());
+    let written = write(&mut buffer).with_context(what)?;
+    buffer.flush().with_context(what)?;
+    drop(buffer);
+    output.finish()?;
+    session.console.info(&format!("wrote {}", path.display()));
+    Ok(written)
+}
+
+fn write(
+    plan: &RenderPlan,
+    image: &Image,
+    target: &Stream,
+    session: &mut Session<'_, '_>,
+) -> Result<()> {
+    match target {
+        Stream::Stdout => write_png(image, plan.background, plan.depth, &mut session.out)?,
+        Stream::File(path) => {
+            to_file(path, session, |out| Ok(write_png(image, plan.background, plan.depth, out)?))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,93 @@
+//! What was computed for pictures, and what not, in words.
+
+use super::Seen;
+use crate::{
+    Session,
+    plan::RenderPlan,
+    report::{RenderSkipped, RenderTimings},
+    scene_file::ModeWord,
+    text::{counted, grouped},
+};
+
+/// Says what was computed, and what not.
+pub(super) fn tell(
+    mode: ModeWord,
+    skipped: &RenderSkipped,
+    timings: &RenderTimings,
+    session: &Session<'_, '_>,
+) {
+    skipped_lines(mode, skipped).iter().for_each(|line| session.console.detail(line));
+    let RenderTimings { read, extract, render, write, total } = timings;
+    session.console.detail(&format!(
+        "read {read:.3} s, extract {extract:.3} s, render {render:.3} s, write {write:.3} s, \
+         total {total:.3} s"
+    ));
+}
+
+/// What would be done, for people.
+pub(super) fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped) -> String {
+    let pictures = counted(plan.viewpoints.len() as u64, "picture", "pictures");
+    let [width, height] = [plan.size.width, plan.size.height];
+    let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
+    if !plan.mode.shows_values() {
+        for (n, look) in seen.scene.surfaces.iter().enumerate() {
+            let why = skipped.surfaces.iter().find(|skipped| skipped.number == n);
+            let what = match (why, look.iso) {
+                (Some(why), _) => format!("not made: {}", why.why),
+                (None, Some(iso)) if plan.mode == ModeWord::IsoRaycast => {
+                    format!("found by rays at {iso}")
+                }
+                (None, Some(iso)) => format!("extracted at {iso}, with normals"),
+                (None, None) => "read".to_owned(),
+            };
+            lines.push(format!("  {}: {what}", look.name));
+        }
+    } else if !seen.scene.surfaces.is_empty() {
+        lines.push("not computed: surfaces and caps, which pictures of values do not show".into());
+    }
+    lines.extend(skipped_lines(plan.mode, skipped));
+    lines.join("\n") + "\n"
+}
+
+/// What is not computed, a sentence each.
+fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
+    let of = |part: u64, all: u64, what: &str| {
+        (all > 0).then(|| format!("skipped {} of {} {what}", grouped(part), grouped(all)))
+    };
+    let triangles = skipped.triangles + skipped.triangles_skipped;
+    let of_samples = match mode {
+        ModeWord::Splat => "samples, which give nothing to what can be seen",
+        _ => "samples, which planes cut away",
+    };
+    let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
+    [
+        (skipped.bricks > 0).then(|| {
+            let what = match mode {
+                mode if mode.shows_values() => "nothing that can be seen",
+                _ => "no surface that can be seen",
+            };
+            let [part, all] = [skipped.bricks_skipped, skipped.bricks].map(grouped);
+            format!("{part} of {all} bricks hold {what}")
+        }),
+        of(skipped.samples_skipped, skipped.samples, of_samples),
+        of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
+        of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
+        of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),
+        (skipped.bricks_passed > 0).then(|| {
+            let bricks = grouped(skipped.bricks_passed);
+            format!("rays passed {bricks} times a brick without a surface")
+        }),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+pub(super) fn mode_name(mode: ModeWord) -> &'static str {
+    match mode {
+        ModeWord::Surfaces => "surfaces",
+        ModeWord::IsoRaycast => "iso-raycast",
+        ModeWord::Raycast => "raycast",
+        ModeWord::Splat => "splat",
+    }
+}
