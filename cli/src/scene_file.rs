@@ -201,6 +201,9 @@ pub(crate) struct LightTable {
     pub(crate) from: Option<[f64; 3]>,
     pub(crate) shadows: Option<bool>,
     pub(crate) occlusion: Option<f32>,
+    /// How much of the light from `from` particles scatter, and how much ahead.
+    pub(crate) scatter: Option<f32>,
+    pub(crate) ahead: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
@@ -216,6 +219,9 @@ pub(crate) enum ShadingWord {
 #[serde(deny_unknown_fields)]
 pub(crate) struct SamplingTable {
     pub(crate) step: Option<f64>,
+    #[serde(default)]
+    pub(crate) jitter: bool,
+    pub(crate) error: Option<f32>,
 }
 
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]

@@ -88,6 +88,9 @@ pub(crate) struct ExtractArgs {
     /// Write a report as JSON, to a file or to - for stdout
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,
+    /// Write the surfaces as a scene for `render`
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
+    pub(crate) dump_scene: Option<PathBuf>,
     /// Extract N times, each time into fresh memory, and report the median time and all times
     #[arg(long, value_name = "N", requires = "report", conflicts_with = "repeat_warm")]
     #[arg(value_parser = values::count, help_heading = "Report")]

@@ -46,11 +46,14 @@ A scene file says more than options; each option, where given, comes before what
   fov = 30
   [light]                      # ambient, diffuse, specular, shininess
   shading = \"gradient\"         # none: colours as they are; mixture
-  from = [1, 1, 2]             # where light comes from: default the eye. For surfaces, as the next two
-  shadows = true
+  from = [1, 1, 2]             # where light comes from: default the eye
+  shadows = true               # of surfaces, as the next
   occlusion = 0.7              # how dark it is where little light comes to
+  scatter = 1.0                # of values: what particles scatter of it; ahead = 0.3: to where it goes
   [sampling]
   step = 0.5                   # of the smallest spacing
+  jitter = true                # grain instead of rings
+  error = 0.004                # shorter steps where a colour differs by more
   [output]
   size = [1024, 1024]
   mode = \"surfaces\"            # iso-raycast, raycast, splat

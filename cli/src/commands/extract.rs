@@ -1,5 +1,7 @@
 //! `extract`: from a volume to a mesh.
 
+mod scene;
+
 use super::{check::sentence, write_text};
 use crate::{
     Exit, Session,
@@ -27,6 +29,10 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
         Some(limit) => super::slabs::extract(plan, limit, session),
         None => extract(plan, session),
     })?;
+    if let Some(path) = &plan.dump_scene {
+        write_text(Some(&Stream::File(path.clone())), &scene::text(plan)?, session)?;
+        session.console.info(&format!("wrote {}", path.display()));
+    }
     write_text(plan.report.as_ref(), &text, session)?;
     Ok(Exit::Done)
 }

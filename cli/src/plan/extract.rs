@@ -29,6 +29,8 @@ pub(crate) struct ExtractPlan {
     pub(crate) target: MeshTarget,
     pub(crate) index: bool,
     pub(crate) report: Option<TextTarget>,
+    /// Where a scene of the surfaces goes.
+    pub(crate) dump_scene: Option<PathBuf>,
     pub(crate) repeat: Repeat,
     /// Bytes that the process may hold; then it works slice by slice.
     pub(crate) max_memory: Option<u64>,
@@ -39,7 +41,7 @@ pub(crate) struct ExtractPlan {
 pub(crate) struct LevelPlan {
     pub(crate) iso: IsoChoice,
     /// If there is none, the surface is named by its isovalue.
-    pub(super) name: Option<String>,
+    pub(crate) name: Option<String>,
     pub(crate) color: Option<Rgba>,
 }
 
@@ -95,6 +97,7 @@ impl ExtractPlan {
             target,
             index: args.index,
             report,
+            dump_scene: args.dump_scene,
             repeat,
             max_memory: args.max_memory,
         };
@@ -119,6 +122,9 @@ impl ExtractPlan {
                 self.levels.iter().zip(isos).map(|(level, &iso)| level.name(iso)).collect();
             let names = names.iter().map(String::as_str);
             mesh_files(path, names).iter().try_for_each(|file| places.add("--output", file))?;
+        }
+        if let Some(path) = &self.dump_scene {
+            places.add("--dump-scene", path)?;
         }
         match &self.report {
             Some(Stream::File(path)) => places.add("--report", path),

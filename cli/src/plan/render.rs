@@ -105,11 +105,8 @@ impl RenderPlan {
             .size
             .or(size)
             .ok_or_else(|| UsageError("[output] size: expected two numbers above 0".into()))?;
-        let light = model::light(&file.light)?;
         let model = model::of(args.preset, &file, mode)?;
-        let unit = file.transfer.as_ref().and_then(|table| table.unit);
         let (targets, report) = targets(&args, &subject)?;
-        let step = file.sampling.step.unwrap_or(RaycastOptions::DEFAULT.step);
         Ok(Self {
             mode,
             surfaces,
@@ -118,7 +115,7 @@ impl RenderPlan {
             viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from))?,
             raster: model::raster(&file.light, mode)?
                 .with_smoothing(args.smoothing.unwrap_or_default().into()),
-            raycast: RaycastOptions::DEFAULT.with_light(light).with_step(step).with_unit(unit),
+            raycast: model::raycast(&file, mode)?,
             size,
             background: background(args.background.or(file.output.background)),
             depth: args.bits.into(),

@@ -68,6 +68,8 @@ pub(crate) struct RenderSkipped {
     pub(crate) steps_leapt: u64,
     /// Steps behind what is opaque.
     pub(crate) steps_hidden: u64,
+    /// How often a pixel was cast again with shorter steps.
+    pub(crate) pixels_refined: u64,
     /// How often a sample was laid on a sheet.
     pub(crate) splats: u64,
     /// Sheets behind what is opaque, once for each part of a picture.
@@ -162,5 +164,6 @@ impl RenderSkipped {
         self.steps += cast.steps;
         self.steps_leapt += cast.steps_leapt;
         self.steps_hidden += cast.steps_hidden;
+        self.pixels_refined += cast.pixels_refined;
     }
 }

@@ -248,3 +248,19 @@ fn the_bytes_depend_neither_on_threads_nor_on_names() {
         assert!(one == two || ending == "obj" && one.len() == two.len(), "{ending}");
     }
 }
+
+#[test]
+fn an_extraction_says_what_it_made_as_a_scene() {
+    let folder = Folder::with_ball();
+    folder.done("extract ball.nii --iso 50:wall:#ff000080 --iso 70% -o a.glb --dump-scene s.toml");
+    let scene = fs::read_to_string(folder.path("s.toml")).unwrap();
+    for says in
+        ["ball.nii\"", "name = \"wall\"\niso = 50.0\ncolor = \"#ff000080\"", "iso = \"70%\""]
+    {
+        assert!(scene.contains(says), "{says}: {scene}");
+    }
+    let ran = folder.done("render s.toml --plan");
+    assert!(ran.text().contains("wall: extracted at 50"), "{}", ran.text());
+    let ran = folder.run("extract ball.nii --iso 50 -o a.glb --dump-scene a.glb");
+    assert_eq!(ran.exit, Exit::Usage, "{}", ran.err);
+}

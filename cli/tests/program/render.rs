@@ -178,6 +178,11 @@ fn values_are_seen_by_slopes_as_materials_and_by_splats() {
             assert!(r > g, "{name}, {mode}: {r}, {g}");
         }
     }
+    let cloud = "[light]\nshading = \"none\"\nfrom = [0, 1, 1]\nscatter = 1.0\nahead = 0.3\n";
+    let fine = "[sampling]\njitter = true\nerror = 0.01\n";
+    fs::write(folder.path("s.toml"), format!("{volume}{cloud}{fine}")).unwrap();
+    folder.done("render s.toml -o a.png --report r.json");
+    assert!(folder.json("r.json")["skipped"]["pixels_refined"].as_u64().unwrap() > 1000);
     folder.done("render ball.nii --mode splat --size 33x33 -o b.png --report r.json");
     let report = folder.json("r.json");
     assert!(report["mode"] == "splat" && report["skipped"]["splats"].as_u64().unwrap() > 1000);
@@ -388,6 +393,19 @@ fn scenes_that_make_no_sense_are_refused_with_their_place() {
         (&format!("{volume}[transfer]\ngradient = -1.0\n"), Exit::Usage, "a slope above 0"),
         (&format!("{volume}[transfer]\nrows = []\n"), Exit::Usage, "a row at least"),
         (&format!("{volume}[light]\nshadows = true\n"), Exit::Usage, "expected surfaces"),
+        (&format!("{volume}[light]\nfrom = [1, 0, 0]\n"), Exit::Usage, "add scatter"),
+        (&format!("{volume}[light]\nscatter = 1.0\n"), Exit::Usage, "add from"),
+        (
+            &format!("{volume}[light]\nscatter = 1.0\nfrom = [0, 0, 0]\n"),
+            Exit::Usage,
+            "a direction",
+        ),
+        (&format!("{volume}[sampling]\nerror = 2.0\n"), Exit::Usage, "from 0.0001 to 1"),
+        (
+            &format!("{volume}[sampling]\njitter = true\n[output]\nmode = \"splat\"\n"),
+            Exit::Usage,
+            "expected mode = \"raycast\"",
+        ),
         (
             &format!("{volume}[[surface]]\niso = 50\n[light]\nshadows = true\n"),
             Exit::Usage,

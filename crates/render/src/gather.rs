@@ -62,6 +62,20 @@ impl Gathered {
         Self { color: self.color.map(part), opacity: self.opacity }
     }
 
+    /// This in so much light.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn dimmed(self, share: f32) -> Self {
+        Self { color: self.color.map(|part| part * share), ..self }
+    }
+
+    /// The most by which a part of the colour, or the opacity, differs.
+    pub(crate) fn differs(self, other: Self) -> f32 {
+        let parts = |g: Self| [g.color[0], g.color[1], g.color[2], g.opacity];
+        let pairs = parts(self).into_iter().zip(parts(other));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    }
+
     /// Both, side by side: for a mean.
     #[inline(always)]
     pub(crate) fn plus(self, other: Self) -> Self {

@@ -21,7 +21,7 @@ mod tile;
 use crate::{
     Camera, Image, Medium, RaycastError, RaycastOptions, Size, Trilinear,
     clear::{CELLS, Clear},
-    raycast::lengths,
+    raycast::{Cloud, lengths},
     transfer::Lookup,
 };
 use footprint::{Footprint, RADIUS};
@@ -76,6 +76,7 @@ pub fn splat<T: Sample>(
         return Ok((image, Splatted::default())); // nothing of it is before the camera
     };
     let splatted = exactly(|| {
+        let cloud = Cloud::new(medium, unit, (options.scatter, camera), job)?;
         let lookup = Lookup::new(medium.model, step / unit, step);
         let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
         let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
@@ -94,6 +95,7 @@ pub fn splat<T: Sample>(
             sheets: &sheets,
             footprint: &footprint,
             lookup: &lookup,
+            cloud: cloud.as_ref(),
             options,
         };
         let bins = bins(&blocks, size, job)?;

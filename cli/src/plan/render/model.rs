@@ -3,13 +3,14 @@
 use crate::{
     fault::UsageError,
     scene_file::{
-        Color, Fade, LightTable, MaterialTable, ModeWord, PresetWord, RowTable, SceneFile,
-        ShadingWord, TransferTable,
+        Color, Fade, LightTable, MaterialTable, ModeWord, PresetWord, RowTable, SamplingTable,
+        SceneFile, ShadingWord, TransferTable,
     },
 };
 use isokit::{
     render::{
-        ControlPoint, Light, Material, Mixture, RasterOptions, SlopeFunction, TransferFunction,
+        ControlPoint, Light, Material, Mixture, RasterOptions, RaycastOptions, Scatter,
+        SlopeFunction, TransferFunction,
     },
     scene::Preset,
 };
@@ -118,7 +119,7 @@ fn mixture(tables: &[MaterialTable], surface: f32) -> Result<ModelPlan, UsageErr
     mixture.map(ModelPlan::Mixture).map_err(|error| UsageError(format!("[[material]]: {error}")))
 }
 
-pub(super) fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
+fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
     let LightTable { shading, ambient, diffuse, specular, shininess, .. } = table.clone();
     let default = Light::DEFAULT;
     let light = Light {
@@ -135,20 +136,80 @@ pub(super) fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
     Ok((shading != ShadingWord::None).then_some(light))
 }
 
+/// How values are sampled and lit.
+pub(super) fn raycast(file: &SceneFile, mode: ModeWord) -> Result<RaycastOptions, UsageError> {
+    let SamplingTable { step, jitter, error } = file.sampling;
+    if mode != ModeWord::Raycast && (jitter || error.is_some()) {
+        let says = "[sampling] jitter and error: expected mode = \"raycast\"";
+        return Err(UsageError(says.into()));
+    }
+    if error.is_some_and(|error| !(1e-4..=1.0).contains(&error)) {
+        let says = "[sampling] error: expected a share of a colour from 0.0001 to 1";
+        return Err(UsageError(says.into()));
+    }
+    let LightTable { from, scatter, ahead, ambient, .. } = file.light.clone();
+    let scatter = match (scatter, from) {
+        (None, _) if ahead.is_some() => {
+            return Err(UsageError(
+                "[light] ahead: of light that is scattered: add scatter".into(),
+            ));
+        }
+        (None, _) => None,
+        (Some(_), None) => {
+            let says = "[light] scatter: light comes from somewhere: add from = [x, y, z]";
+            return Err(UsageError(says.into()));
+        }
+        (Some(strength), Some(from)) => {
+            check_from(Some(from))?;
+            let ambient = ambient.unwrap_or(Light::DEFAULT.ambient);
+            let ahead = ahead.unwrap_or(0.0);
+            if !((0.0..=100.0).contains(&strength) && (-1.0..=1.0).contains(&ahead)) {
+                let says = "[light]: expected scatter from 0 to 100 and ahead from -1 to 1, found";
+                return Err(UsageError(format!("{says} {strength} and {ahead}")));
+            }
+            Some(Scatter { from, strength, ambient, ahead })
+        }
+    };
+    Ok(RaycastOptions::DEFAULT
+        .with_light(light(&file.light)?)
+        .with_step(step.unwrap_or(RaycastOptions::DEFAULT.step))
+        .with_unit(file.transfer.as_ref().and_then(|table| table.unit))
+        .with_jitter(jitter)
+        .with_error(error)
+        .with_scatter(scatter))
+}
+
+fn check_from(from: Option<[f64; 3]>) -> Result<(), UsageError> {
+    match from {
+        Some(from) if from == [0.0; 3] || !from.iter().all(|c| c.is_finite()) => {
+            let says =
+                "[light] from: expected a direction, three finite numbers of which one is not 0";
+            Err(UsageError(says.into()))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// How surfaces are lit.
 pub(super) fn raster(table: &LightTable, mode: ModeWord) -> Result<RasterOptions, UsageError> {
-    let LightTable { shading, from, shadows, occlusion, .. } = table.clone();
+    let LightTable { shading, from, shadows, occlusion, scatter, ahead, .. } = table.clone();
     let refuse = |says: &str| Err(UsageError(format!("[light] {says}")));
-    let is_wanted = from.is_some() || shadows.is_some() || occlusion.is_some();
-    if is_wanted && mode.shows_values() {
-        return refuse("from, shadows and occlusion: expected surfaces, found values");
+    if mode.shows_values() {
+        return match (shadows.is_some() || occlusion.is_some(), from.is_some() && scatter.is_none())
+        {
+            (true, _) => refuse("shadows and occlusion: expected surfaces, found values"),
+            (_, true) => refuse("from: particles of values scatter light: add scatter = 1.0"),
+            _ => Ok(RasterOptions::DEFAULT.with_light(light(table)?)),
+        };
     }
+    if scatter.is_some() || ahead.is_some() {
+        return refuse("scatter and ahead: expected values, found surfaces");
+    }
+    let is_wanted = from.is_some() || shadows.is_some() || occlusion.is_some();
     if is_wanted && shading == ShadingWord::None {
         return refuse("from, shadows and occlusion: expected shading, found shading = \"none\"");
     }
-    if from.is_some_and(|from| from == [0.0; 3] || !from.iter().all(|c| c.is_finite())) {
-        return refuse("from: expected a direction, three finite numbers of which one is not 0");
-    }
+    check_from(from)?;
     if shadows == Some(true) && from.is_none() {
         return refuse("shadows: light that comes from the eye has none: add from = [x, y, z]");
     }

@@ -3,7 +3,7 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, MOST_STEPS, Medium, RaycastOptions};
+use super::{Cast, Cloud, MOST_STEPS, Medium, RaycastOptions};
 use crate::{
     Gathered, Light, Ray, Trilinear,
     clear::Clear,
@@ -33,6 +33,7 @@ pub(super) struct March<'a, T> {
     /// The length of a step in world units.
     step: f64,
     light: Option<Light>,
+    cloud: Option<&'a Cloud>,
     opaque: f32,
 }
 
@@ -45,6 +46,8 @@ struct Way {
     step: [f64; 3],
     /// How many steps it is long.
     steps: f64,
+    /// How many of them its first, if that is no whole one.
+    begin: f64,
     /// Where it leads in the world.
     towards: Vector,
 }
@@ -71,7 +74,7 @@ struct Front {
 impl<'a, T: Sample> March<'a, T> {
     pub(super) fn new(
         medium: &Medium<'a, T>,
-        (lookup, clear): (&'a Lookup<'a>, Option<&'a Clear>),
+        (lookup, clear, cloud): (&'a Lookup<'a>, Option<&'a Clear>, Option<&'a Cloud>),
         step: f64,
         options: &RaycastOptions,
     ) -> Self {
@@ -84,13 +87,13 @@ impl<'a, T: Sample> March<'a, T> {
         let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
         // Differences are over two samples.
         let rise = (0.5 * greatest * medium.view.scaling().slope().abs()) as f32;
-        Self { field, between, covectors, rise, clips, lookup, clear, step, light, opaque }
+        Self { field, between, covectors, rise, clips, lookup, clear, step, light, cloud, opaque }
     }
 
-    /// What rays gather, each with the number of its pixel.
+    /// What rays gather, each with the number of its pixel and the part of a step that it begins with.
     pub(super) fn along(
         &self,
-        mut rays: impl Iterator<Item = (usize, Ray)>,
+        mut rays: impl Iterator<Item = (usize, Ray, f64)>,
         pixels: &mut [Gathered],
         done: &mut Cast,
     ) {
@@ -108,8 +111,15 @@ impl<'a, T: Sample> March<'a, T> {
                     self.end(&mut front, n, done);
                     pixels[front.pixels[n]] = front.gathered[n];
                 }
-                front
-                    .next(n, rays.by_ref().find_map(|(pixel, ray)| Some((pixel, self.way(&ray)?))));
+                let mut ways = rays
+                    .by_ref()
+                    .filter_map(|(pixel, ray, begin)| Some((pixel, self.way(&ray, begin)?)));
+                front.next(n, ways.next());
+                if front.live >> n & 1 == 1 && front.ways[n].begin > 0.0 {
+                    let way = &front.ways[n];
+                    let first = self.partial(way, [0.0, way.begin.min(way.steps)], done);
+                    front.gathered[n] = first;
+                }
             }
             if front.live == 0 {
                 return;
@@ -156,32 +166,36 @@ impl<'a, T: Sample> March<'a, T> {
         ready
     }
 
-    /// Adds the last step of a ray, if it is a part of one and not hidden, and something may be seen of it.
+    /// Adds the last step of a ray, if it is a part of one and not hidden.
     fn end(&self, front: &mut Front, n: usize, done: &mut Cast) {
         let (way, at) = (&front.ways[n], front.steps[n] - 0.5);
-        let left = way.steps.ceil() - at;
+        let left = way.steps - at;
         if front.gathered[n].opacity >= self.opaque {
-            done.steps_hidden += left as u64;
+            done.steps_hidden += left.ceil() as u64;
         } else if left > 0.0 {
-            let place = way.at(0.5 * (way.steps.floor() + way.steps));
-            if self.clear.is_some_and(|(clear, _)| clear.is_clear(place)) {
-                done.steps_leapt += 1;
-            } else {
-                done.steps += 1;
-                let last = self.last(way, place);
-                front.gathered[n] = front.gathered[n].over(last);
-            }
+            let last = self.partial(way, [at, way.steps], done);
+            front.gathered[n] = front.gathered[n].over(last);
         }
     }
 
-    /// What is seen in the last step, which is a part of one.
+    /// What is seen in a part of a step, if something may be.
     #[inline(never)]
-    fn last(&self, way: &Way, place: [f64; 3]) -> Gathered {
+    fn partial(&self, way: &Way, [from, to]: [f64; 2], done: &mut Cast) -> Gathered {
+        let place = way.at(0.5 * (from + to));
+        if self.clear.is_some_and(|(clear, _)| clear.is_clear(place)) {
+            done.steps_leapt += 1;
+            return Gathered::NOTHING;
+        }
+        done.steps += 1;
         let value = self.field.at_index(place);
         if value.is_nan() {
             return Gathered::NOTHING;
         }
-        let part = way.steps.fract();
+        let share = self.cloud.map_or(1.0, |cloud| cloud.light(place));
+        self.exact(way, place, value, to - from).dimmed(share)
+    }
+
+    fn exact(&self, way: &Way, place: [f64; 3], value: f64, part: f64) -> Gathered {
         if !self.has_gradients() {
             return self.lookup.exact([value, 0.0], part, None);
         }
@@ -210,7 +224,11 @@ impl<'a, T: Sample> March<'a, T> {
                 slope: found.slopes[n] * self.rise,
             };
             let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
-            let gathered = front.gathered[n].over(self.lookup.gathered(place, shade));
+            let mut next = self.lookup.gathered(place, shade);
+            if let Some(cloud) = self.cloud {
+                next = next.dimmed(cloud.light(front.ways[n].at(front.steps[n])));
+            }
+            let gathered = front.gathered[n].over(next);
             front.gathered[n] = gathered;
             opaque |= u16::from(gathered.opacity >= self.opaque) << n;
         }
@@ -237,7 +255,7 @@ impl<'a, T: Sample> March<'a, T> {
     }
 
     /// Where a ray goes through what is kept of the box from the first sample to the last.
-    fn way(&self, ray: &Ray) -> Option<Way> {
+    fn way(&self, ray: &Ray, begin: f64) -> Option<Way> {
         let [near, far] = self.field.interval_within(ray, self.clips)?;
         let steps = (far - near) / self.step;
         let affine = self.field.affine();
@@ -248,6 +266,7 @@ impl<'a, T: Sample> March<'a, T> {
             start: std::array::from_fn(|k| origin[k] + near * direction[k]),
             step,
             steps,
+            begin,
             towards: ray.direction,
         })
     }
@@ -268,7 +287,8 @@ impl Front {
             self.pace[k][n] = if is_still { f64::INFINITY } else { way.step[k].recip() };
             self.facing.towards[k][n] = (way.towards[k] / long) as f32;
         }
-        (self.steps[n], self.whole[n]) = (0.5, way.steps.floor());
+        let whole = (way.steps - way.begin).max(0.0).floor();
+        (self.steps[n], self.whole[n]) = (way.begin + 0.5, way.begin + whole);
         (self.ways[n], self.pixels[n], self.gathered[n]) = (way, pixel, Gathered::NOTHING);
     }
 }

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     Camera, Gathered, Medium, RaycastOptions, Size, Trilinear,
+    raycast::Cloud,
     transfer::{Lookup, Scale},
 };
 use isokit_geom::vector::{Vector, dot, length};
@@ -28,6 +29,7 @@ pub(super) struct Tiles<'a, T> {
     pub(super) sheets: &'a Sheets,
     pub(super) footprint: &'a Footprint,
     pub(super) lookup: &'a Lookup<'a>,
+    pub(super) cloud: Option<&'a Cloud>,
     pub(super) options: &'a RaycastOptions,
 }
 
@@ -47,6 +49,9 @@ struct Pixel {
     slopes: [f64; 2],
     /// How long it is for each length ahead.
     stretch: f64,
+    /// In index space: where its ray begins, and how far it leads for each length ahead.
+    begin: Vector,
+    towards: Vector,
 }
 
 impl Layer {
@@ -134,6 +139,8 @@ impl<T: Sample> Tiles<'_, T> {
             way: way.map(|far| far * along),
             slopes: self.sheets.slopes(place),
             stretch: along.recip(),
+            begin: self.field.affine().inverse_point(ray.origin),
+            towards: self.field.affine().inverse_vector(ray.direction).map(|c| c / along),
         }
     }
 
@@ -225,7 +232,12 @@ impl<T: Sample> Tiles<'_, T> {
                 place.slope = length(gradient) as f32;
                 shade = self.options.light.map(|light| light.answer(gradient, towards));
             }
-            let whole = self.lookup.gathered(place, shade);
+            let mut whole = self.lookup.gathered(place, shade);
+            if let Some(cloud) = self.cloud {
+                let (begin, towards) = (pixel.begin, pixel.towards);
+                let ahead = sheet.front + 0.5 * step;
+                whole = whole.dimmed(cloud.light([0, 1, 2].map(|k| begin[k] + ahead * towards[k])));
+            }
             let next = whole.stretched(part.min(1.0) * pixel.stretch);
             pixel.gathered = pixel.gathered.over(next);
         }
