@@ -235,17 +235,17 @@ impl Camera {
     /// The ray of a point of the picture: `x` from −`aspect` at the left edge to `aspect`, `y` from −1 at the
     /// bottom to 1, where `aspect` is the picture's width over its height.
     pub fn ray(&self, [x, y]: [f64; 2]) -> Ray {
-        let aside: Vector =
-            std::array::from_fn(|k| self.half * (x * self.right[k] + y * self.up[k]));
+        let (right, up) = (self.half * x, self.half * y);
+        let aside: Vector = std::array::from_fn(|k| right * self.right[k] + up * self.up[k]);
         match self.projection {
             Projection::Parallel { .. } => {
                 let origin = std::array::from_fn(|k| self.from[k] + aside[k]);
                 Ray { origin, direction: self.forward }
             }
             Projection::Perspective { .. } => {
-                let towards = std::array::from_fn(|k| self.forward[k] + aside[k]);
-                // Its length is 1 or more.
-                Ray { origin: self.from, direction: unit(towards).unwrap_or(self.forward) }
+                let shorter = (1.0 + right * right + up * up).sqrt().recip();
+                let direction = std::array::from_fn(|k| (self.forward[k] + aside[k]) * shorter);
+                Ray { origin: self.from, direction }
             }
         }
     }

@@ -45,7 +45,7 @@ impl Gathered {
     #[inline]
     #[must_use]
     pub(crate) fn stretched(self, times: f64) -> Self {
-        if times == 1.0 || !(self.opacity > 0.0) {
+        if times == 1.0 || self.opacity <= 0.0 {
             return self;
         }
         let opacity = opacity_over(self.opacity.into(), times) as f32;

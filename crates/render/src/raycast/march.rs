@@ -7,7 +7,7 @@ use super::{Cast, Cloud, MOST_STEPS, Medium, RaycastOptions};
 use crate::{
     Gathered, Light, Ray, Trilinear,
     clear::Clear,
-    transfer::{Lookup, Place, Scale},
+    transfer::{Lookup, Place, Scale, Values},
 };
 use isokit_geom::{
     HalfSpace,
@@ -213,6 +213,9 @@ impl<'a, T: Sample> March<'a, T> {
     #[inline(always)]
     fn gather(&self, found: &mut Found, front: &mut Front) -> u16 {
         let shades = self.shades(found, front);
+        if let (Some(values), None) = (self.lookup.values(), self.cloud) {
+            return self.gather_values(&values, found, shades.as_ref(), front);
+        }
         let (mut left, mut opaque) = (found.seen, 0);
         while left != 0 {
             let n = left.trailing_zeros() as usize;
@@ -231,6 +234,44 @@ impl<'a, T: Sample> March<'a, T> {
             let gathered = front.gathered[n].over(next);
             front.gathered[n] = gathered;
             opaque |= u16::from(gathered.opacity >= self.opaque) << n;
+        }
+        opaque
+    }
+
+    /// The same where nothing but values counts: all four parts of a colour at once.
+    #[inline(always)]
+    fn gather_values(
+        &self,
+        values: &Values<'_>,
+        found: &Found,
+        shades: Option<&[[f32; LINES]; 2]>,
+        front: &mut Front,
+    ) -> u16 {
+        let (mut left, mut opaque) = (found.seen, 0);
+        while left != 0 {
+            let n = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (part, share) = (found.parts[n] as usize, found.shares[n]);
+            let mut next = values.within(part, share).unwrap_or_else(|| {
+                four(self.lookup.exact([found.values[n].into(), 0.0], 1.0, None))
+            });
+            if let Some([matt, gloss]) = shades {
+                // As `Gathered::lit`; the opacity stays as it is.
+                let (shade, white) = ([matt[n], matt[n], matt[n], 1.0], next[3] * gloss[n]);
+                let opacity = next[3];
+                let add = [white, white, white, 0.0];
+                for k in 0..4 {
+                    next[k] = (next[k] * shade[k] + add[k]).min(opacity);
+                }
+            }
+            let mut gathered = four(front.gathered[n]);
+            let open = 1.0 - gathered[3];
+            for k in 0..4 {
+                gathered[k] += open * next[k];
+            }
+            let [r, g, b, opacity] = gathered;
+            front.gathered[n] = Gathered { color: [r, g, b], opacity };
+            opaque |= u16::from(opacity >= self.opaque) << n;
         }
         opaque
     }
@@ -291,6 +332,13 @@ impl Front {
         (self.steps[n], self.whole[n]) = (way.begin + 0.5, way.begin + whole);
         (self.ways[n], self.pixels[n], self.gathered[n]) = (way, pixel, Gathered::NOTHING);
     }
+}
+
+/// Colour and opacity side by side.
+#[inline(always)]
+fn four(gathered: Gathered) -> [f32; 4] {
+    let [r, g, b] = gathered.color;
+    [r, g, b, gathered.opacity]
 }
 
 impl Way {

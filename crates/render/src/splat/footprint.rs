@@ -91,7 +91,8 @@ impl Footprint {
     #[inline(always)]
     pub(super) fn section(&self, away: f64) -> Option<Section<'_>> {
         let away = away.abs();
-        if !(away < self.reach) {
+        // Not where it is NaN either.
+        if away.partial_cmp(&self.reach) != Some(std::cmp::Ordering::Less) {
             return None;
         }
         let level = ((away * self.levels_per) as usize).min(LEVELS - 1);

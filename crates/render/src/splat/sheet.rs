@@ -206,7 +206,7 @@ impl Sheets {
             (least - reach / self.thickness).ceil().max(0.0),
             (most + reach / self.thickness).floor().min(last),
         ];
-        if !(ends[0] <= ends[1]) {
+        if ends[0].is_nan() || ends[1].is_nan() || ends[0] > ends[1] {
             return None;
         }
         let sheets = ends.map(|end| end as usize);
@@ -228,7 +228,7 @@ impl Sheets {
             let apron = APRON as f64;
             let (low, high) =
                 ((low - apron).ceil().max(0.0), (high + apron).floor().min(most[axis]));
-            if !(low <= high) {
+            if low.is_nan() || high.is_nan() || low > high {
                 return None;
             }
             found[axis] = [low as usize, high as usize];

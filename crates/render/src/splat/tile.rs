@@ -215,7 +215,7 @@ impl<T: Sample> Tiles<'_, T> {
             }
             is_open = true;
             let part = (far.min(sheet.front + step) - near.max(sheet.front)) / step;
-            if !(part > 0.0) {
+            if part <= 0.0 {
                 continue;
             }
             let at = (n / width + APRON) * WIDE + n % width + APRON;

@@ -44,6 +44,21 @@ enum Looks<'a> {
     Mixture { mixture: &'a Mixture, halves: Entries, surfaces: Entries, changes: Box<[f32; PARTS]> },
 }
 
+/// What values look like over a step, where nothing else counts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Values<'a> {
+    entries: &'a [[f32; 4]; PARTS + 1],
+    is_bent: &'a [bool; PARTS],
+}
+
+impl Values<'_> {
+    /// Colour times opacity, and opacity, in a part; none where the function itself is to be asked.
+    #[inline(always)]
+    pub(crate) fn within(&self, part: usize, share: f32) -> Option<[f32; 4]> {
+        (!self.is_bent[part]).then(|| within(self.entries, part, share))
+    }
+}
+
 /// A place that is looked up.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
@@ -192,6 +207,15 @@ impl<'a> Lookup<'a> {
         self.seen[part].then_some(Place { part, share, value, slope: 0.0 })
     }
 
+    /// The colours of values, if nothing else counts.
+    #[inline(always)]
+    pub(crate) fn values(&self) -> Option<Values<'_>> {
+        match &self.looks {
+            Looks::Values(entries) => Some(Values { entries, is_bent: &self.is_bent }),
+            _ => None,
+        }
+    }
+
     /// What a whole step of a place looks like, under a light if there is one.
     #[inline(always)]
     pub(crate) fn gathered(&self, place: Place, shade: Option<[f32; 2]>) -> Gathered {
@@ -215,7 +239,7 @@ impl<'a> Lookup<'a> {
                 let high = within(&rows[(row + 1).min(rows.len() - 1)], part, share);
                 let [r, g, b, all]: [f32; 4] =
                     std::array::from_fn(|n| low[n] + (high[n] - low[n]) * of_next);
-                if !(all > 0.0) {
+                if all <= 0.0 {
                     return Gathered::NOTHING;
                 }
                 let opacity = -(-f64::from(all)).exp_m1() as f32;
