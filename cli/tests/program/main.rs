@@ -8,6 +8,7 @@ mod far;
 mod index;
 mod info;
 mod kit;
+mod looks;
 mod places;
 mod refine;
 mod render;
