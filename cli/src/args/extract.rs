@@ -5,7 +5,7 @@ use super::{
     SpaceArg, TopologyArg, VolumeArgs, memory, values,
 };
 use clap::Args;
-use isokit::pipeline::Region;
+use isokit::{geom::HalfSpace, pipeline::Region};
 use std::{num::NonZeroUsize, path::PathBuf};
 
 #[derive(Args, Debug)]
@@ -17,6 +17,7 @@ Examples:
       --iso 900 -o tooth.ply
   isokit extract ct.nii.gz --iso auto -o bone.stl --report bone.json
   isokit extract ct.nii.gz --iso 300 --refine 1 --balance -o smooth.ply
+  isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 -o half.stl
   isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
 
 Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`.")]
@@ -74,6 +75,12 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_name = "RANGES", value_parser = Region::parse_world)]
     #[arg(allow_hyphen_values = true, help_heading = "Part and place")]
     pub(crate) roi_mm: Option<Region>,
+    /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in coordinates of the output's world, and close the
+    /// hole. Vertices are placed linearly. Repeat it for several planes
+    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["index", "max_memory", "refine", "max_error", "balance", "repeat"])]
+    #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
+    pub(crate) clip: Vec<HalfSpace>,
     /// Axes of the world to write coordinates in
     #[arg(long, value_enum, default_value_t, help_heading = "Part and place")]
     pub(crate) space: SpaceArg,

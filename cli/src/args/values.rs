@@ -1,7 +1,12 @@
 //! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
 
 use isokit::{
-    geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, refine::Subdivision, render::Size,
+    geom::{HalfSpace, Unit},
+    io::Endian,
+    mesh::Rgba,
+    pipeline::IsoChoice,
+    refine::Subdivision,
+    render::Size,
     volume::Dtype,
 };
 use std::{any::type_name, num::NonZeroUsize, str::FromStr};
@@ -144,6 +149,15 @@ pub(crate) fn fov(text: &str) -> Result<f64, String> {
 }
 
 /// A known unit by its symbol.
+/// `nx,ny,nz,d`: the half of space where n · x <= d.
+pub(crate) fn plane(text: &str) -> Result<HalfSpace, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.parse().ok()).collect();
+    let found = numbers.and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
+    let [x, y, z, offset] =
+        found.ok_or_else(|| format!("expected four numbers nx,ny,nz,d, found {text:?}"))?;
+    HalfSpace::new([x, y, z], offset).map_err(|error| format!("{error}, found {text:?}"))
+}
+
 pub(crate) fn unit(text: &str) -> Result<Unit, String> {
     let unit = Unit::from_symbol(text).filter(|unit| unit.metres().is_some());
     unit.ok_or_else(|| {

@@ -126,6 +126,12 @@ fn meshes(
     session: &Session<'_, '_>,
 ) -> Result<(Vec<TriMesh>, Vec<Extracted>)> {
     let surface = plan.surface.before(&plan.refine);
+    if !plan.clips.is_empty() {
+        let clipped = |iso: &f64| scan.clipped_mesh(*iso, &plan.clips, &surface, &session.job);
+        let made =
+            timed(&mut timings.extract, || isos.iter().map(clipped).collect::<Result<Vec<_>, _>>());
+        return Ok(made?.into_iter().unzip());
+    }
     let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &surface, meshes, &session.job);
     let fresh = || vec![TriMesh::default(); isos.len()];
     let (runs, is_warm) = match plan.repeat {

@@ -7,6 +7,7 @@ use crate::{
 };
 use anyhow::Result;
 use isokit::{
+    geom::HalfSpace,
     io::{VolumeOptions, mesh_files},
     marching_cubes::{Degenerate, ExtractOptions},
     mesh::Rgba,
@@ -23,6 +24,8 @@ pub(crate) struct ExtractPlan {
     pub(crate) region: Region,
     pub(crate) space: TargetSpace,
     pub(crate) levels: Vec<LevelPlan>,
+    /// What is kept.
+    pub(crate) clips: Vec<HalfSpace>,
     pub(crate) surface: SurfaceOptions,
     /// What is done with surfaces after that.
     pub(crate) refine: RefineOptions,
@@ -92,6 +95,7 @@ impl ExtractPlan {
             region: args.roi.or(args.roi_mm).unwrap_or_default(),
             space: args.space.into(),
             levels: levels(args.iso),
+            clips: args.clip,
             surface,
             refine,
             target,

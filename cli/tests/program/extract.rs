@@ -252,7 +252,8 @@ fn the_bytes_depend_neither_on_threads_nor_on_names() {
 #[test]
 fn an_extraction_says_what_it_made_as_a_scene() {
     let folder = Folder::with_ball();
-    folder.done("extract ball.nii --iso 50:wall:#ff000080 --iso 70% -o a.glb --dump-scene s.toml");
+    let line = "extract ball.nii --iso 50:wall:#ff000080 --iso 70% -o a.glb";
+    folder.done(&format!("{line} --clip 0,1,0,33 --dump-scene s.toml"));
     let scene = fs::read_to_string(folder.path("s.toml")).unwrap();
     for says in
         ["ball.nii\"", "name = \"wall\"\niso = 50.0\ncolor = \"#ff000080\"", "iso = \"70%\""]
@@ -263,4 +264,35 @@ fn an_extraction_says_what_it_made_as_a_scene() {
     assert!(ran.text().contains("wall: extracted at 50"), "{}", ran.text());
     let ran = folder.run("extract ball.nii --iso 50 -o a.glb --dump-scene a.glb");
     assert_eq!(ran.exit, Exit::Usage, "{}", ran.err);
+}
+
+#[test]
+fn planes_cut_a_surface_and_close_it() {
+    let folder = Folder::with_ball();
+    folder.done("extract ball.nii --iso 50 --placement linear -o whole.ply --report whole.json");
+    let [x, y, z] = CENTRE;
+    for (name, line) in [
+        ("half", format!("--clip 0,1,0,{y}")),
+        ("eighth", format!("--clip 1,0,0,{x} --clip 0,-1,0,-{y} --clip 0,0,3,{}", 3.0 * z)),
+    ] {
+        folder
+            .done(&format!("extract ball.nii --iso 50 {line} -o {name}.stl --report {name}.json"));
+        folder.done(&format!("check {name}.stl"));
+        let volume = |name: &str| {
+            folder.json(&format!("{name}.json"))["surfaces"][0]["volume"].as_f64().unwrap()
+        };
+        let share = volume(name) / volume("whole");
+        // The ball is but six samples wide: what its rims lose within a cell counts.
+        let (expected, lost) = if name == "half" { (0.5, 0.1) } else { (0.125, 0.35) };
+        assert!((1.0 - lost..=1.0).contains(&(share / expected)), "{name}: {share}");
+    }
+    for (line, says) in [
+        ("--clip 0,0,0,1", "a plane has a direction"),
+        ("--clip 1,2,3", "expected four numbers"),
+        ("--clip 1,0,0,5 --refine 1", "cannot be used with"),
+        ("--clip 1,0,0,5 --placement cubic", "cannot be used with"),
+    ] {
+        let ran = folder.run(&format!("extract ball.nii --iso 50 {line} -o a.stl"));
+        assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{line}: {}", ran.err);
+    }
 }

@@ -7,12 +7,14 @@
 //! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
+//! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
 //! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
 //! what a user should know comes back as a value ([`Scan::notes`], [`Remark`]).
 
+mod clip;
 mod error;
 mod index;
 mod iso;

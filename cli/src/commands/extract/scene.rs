@@ -29,5 +29,9 @@ pub(super) fn text(plan: &ExtractPlan) -> Result<String> {
         let color = quoted(&own.unwrap_or(color(n)).to_string());
         write!(text, "\n[[surface]]\n{name}iso = {iso}\ncolor = {color}\n")?;
     }
+    for plane in &plan.clips {
+        let ([x, y, z], offset) = (plane.normal(), plane.offset());
+        write!(text, "\n[[clip]]\nplane = [{x:?}, {y:?}, {z:?}, {offset:?}]\ncap = \"solid\"\n")?;
+    }
     Ok(text + "\n[output]\nsize = [1024, 1024]\nmode = \"surfaces\"\n")
 }
