@@ -35,11 +35,14 @@ impl DrawTarget for Canvas<'_> {
         pixels: I,
     ) -> Result<(), Infallible> {
         let size = self.0.size();
-        let [width, height] = [size.width, size.height].map(|n| n.get() as i32);
+        let [width, height] = [size.width, size.height].map(|n| n.get() as usize);
         for Pixel(Point { x, y }, color) in pixels {
-            if (0..width).contains(&x) && (0..height).contains(&y) {
+            let Some((x, y)) = usize::try_from(x).ok().zip(usize::try_from(y).ok()) else {
+                continue;
+            };
+            if x < width && y < height {
                 let [r, g, b, _] = Rgba([color.r(), color.g(), color.b(), u8::MAX]).to_linear();
-                self.0.pixels_mut()[(y * width + x) as usize] = Gathered::new([r, g, b], 1.0);
+                self.0.pixels_mut()[y * width + x] = Gathered::new([r, g, b], 1.0);
             }
         }
         Ok(())

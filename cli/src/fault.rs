@@ -3,7 +3,7 @@
 use anyhow::Error;
 use isokit::{
     io::{ReadError, ReadFault, WriteError, WriteFault},
-    job::{Stopped, ThreadsError},
+    job::{OverLimit, Stopped, ThreadsError},
     marching_cubes::ExtractError,
     pipeline::PipelineError,
     refine::RefineError,
@@ -92,6 +92,7 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let read = || error.downcast_ref::<ReadError>().map(|error| of_read(&error.fault));
     let write = || error.downcast_ref::<WriteError>().map(|error| of_write(&error.fault));
     let stopped = || error.downcast_ref::<Stopped>().map(of_stopped);
+    let over = || error.downcast_ref::<OverLimit>().map(|over| of_stopped(&(*over).into()));
     let cancelled = || error.downcast_ref::<isokit::job::Cancelled>().map(|_| Fault::Interrupted);
     let system = || error.downcast_ref().map(of_system);
     let threads = || error.downcast_ref().map(of_threads);
@@ -102,7 +103,7 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
         .or_else(read)
         .or_else(write)
         .or_else(stopped);
-    found.or_else(cancelled).or_else(threads).or_else(system)
+    found.or_else(over).or_else(cancelled).or_else(threads).or_else(system)
 }
 
 fn of_threads(error: &ThreadsError) -> Fault {
@@ -288,8 +289,8 @@ mod tests {
         let over = OverLimit { what: "edges", needed: 8, limit: 7 };
         let read = PipelineError::from(ReadFault::from(over).at("a.nii"));
         let write = PipelineError::from(WriteFault::from(over).at("a.ply"));
-        for error in [read, write] {
-            assert_eq!(Fault::of(&error.into()).whose(), "the system's fault");
+        for error in [read.into(), write.into(), over.into()] {
+            assert_eq!(Fault::of(&error).whose(), "the system's fault");
         }
     }
 

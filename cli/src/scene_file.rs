@@ -1,6 +1,6 @@
 //! The scene file: what is to be seen, as TOML. Unknown words are refused with their line.
 
-use crate::fault::CallerError;
+use crate::{args::SampleType, fault::CallerError};
 use anyhow::{Context, Result};
 use isokit::{mesh::Rgba, pipeline::IsoChoice};
 use serde::{Deserialize, Deserializer, de::Error};
@@ -33,6 +33,15 @@ pub(crate) struct SceneFile {
 pub(crate) struct VolumeTable {
     /// Beside the scene file, unless it is absolute.
     pub(crate) path: String,
+    /// What the file does not say, or says wrongly, as on the command line.
+    pub(crate) dims: Option<[u64; 3]>,
+    #[serde(default, deserialize_with = "sample_type")]
+    pub(crate) dtype: Option<SampleType>,
+    pub(crate) skip: Option<u64>,
+    pub(crate) spacing: Option<[f64; 3]>,
+    pub(crate) origin: Option<[f64; 3]>,
+    /// Which one of a file that holds several.
+    pub(crate) index: Option<u64>,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq)]
@@ -302,6 +311,10 @@ impl<'de> Deserialize<'de> for Color {
         let text = String::deserialize(deserializer)?;
         text.parse().map(Self).map_err(D::Error::custom)
     }
+}
+
+fn sample_type<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SampleType>, D::Error> {
+    String::deserialize(deserializer)?.parse().map(Some).map_err(D::Error::custom)
 }
 
 fn iso<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IsoChoice, D::Error> {

@@ -20,6 +20,7 @@ A scene file says more than options; each option, where given, comes before what
 
   [volume]
   path = \"ct.nii.gz\"           # beside the scene file
+  spacing = [0.5, 0.5, 1]      # or origin, index, and dims, dtype, skip, as on the command line
   [[surface]]                  # any number, or none
   name = \"skin\"
   iso = -300
@@ -62,7 +63,7 @@ pub(crate) struct RenderArgs {
     /// A scene (.toml), a volume or a mesh
     pub(crate) input: PathBuf,
     /// The picture to write, as PNG. - writes to stdout
-    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["plan", "plot"])]
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["plan", "plot", "depth", "normals"])]
     pub(crate) output: Option<PathBuf>,
     /// Say what would be computed, and what not because the picture does not need it; then stop
     #[arg(long)]

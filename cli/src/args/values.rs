@@ -9,7 +9,7 @@ use isokit::{
     render::Size,
     volume::Dtype,
 };
-use std::{any::type_name, num::NonZeroUsize, str::FromStr};
+use std::{any::type_name, fmt, num::NonZeroUsize, str::FromStr};
 
 /// `x,y,z`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,16 @@ impl FromStr for SampleType {
             format!("expected one of {names}, then le or be, found {text:?}")
         })?;
         Ok(Self { dtype, endian })
+    }
+}
+
+impl fmt::Display for SampleType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let order = match self.endian {
+            Endian::Little => "le",
+            Endian::Big => "be",
+        };
+        write!(f, "{}{order}", self.dtype.name())
     }
 }
 
@@ -238,6 +248,8 @@ mod tests {
         assert_eq!(read("u16be"), Ok((Dtype::U16, Endian::Big)));
         assert_eq!(read("i16le"), Ok((Dtype::I16, Endian::Little)));
         assert_eq!(read("u8"), Ok((Dtype::U8, Endian::Little)));
+        let said = ["u16be", "f32"].map(|text| text.parse::<SampleType>().unwrap().to_string());
+        assert_eq!(said, ["u16be", "f32le"]);
         let refusal = "expected one of u8 i8 u16 i16 u32 i32 f32 f64, then le or be, found \"i64\"";
         assert_eq!(read("i64"), Err(refusal.to_owned()));
     }

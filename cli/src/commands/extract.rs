@@ -29,10 +29,6 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
         Some(limit) => super::slabs::extract(plan, limit, session),
         None => extract(plan, session),
     })?;
-    if let Some(path) = &plan.dump_scene {
-        write_text(Some(&Stream::File(path.clone())), &scene::text(plan)?, session)?;
-        session.console.info(&format!("wrote {}", path.display()));
-    }
     write_text(plan.report.as_ref(), &text, session)?;
     Ok(Exit::Done)
 }
@@ -59,11 +55,24 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     let written = timed(&mut timings.write, || write(plan, &scan, &surfaces, session))?;
     timings.total = start.elapsed().as_secs_f64();
     tell_written(&written, &timings, session);
+    dump_scene(plan, &isos, session)?;
     if plan.report.is_none() && !session.console.is_verbose() {
         return Ok(String::new());
     }
     let found: Vec<_> = extracted.into_iter().zip(refined).collect();
     report(plan, &scan, &surfaces, &written, (&found, timings), session)
+}
+
+/// Writes what was made as a scene, if that is wanted.
+pub(super) fn dump_scene(
+    plan: &ExtractPlan,
+    isos: &[f64],
+    session: &mut Session<'_, '_>,
+) -> Result<()> {
+    let Some(path) = &plan.dump_scene else { return Ok(()) };
+    write_text(Some(&Stream::File(path.clone())), &scene::text(plan, isos)?, session)?;
+    session.console.info(&format!("wrote {}", path.display()));
+    Ok(())
 }
 
 /// Says where the mesh went, what is to be known about that, and how long steps took.

@@ -26,7 +26,7 @@ use std::time::Instant;
 
 pub(crate) fn run(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
     let text = session.watching(|session| render(plan, session))?;
-    if plan.targets.is_empty() && plan.report.is_none() {
+    if plan.is_plan && plan.report.is_none() {
         session.out.write_all(text.as_bytes())?;
         return Ok(Exit::Done);
     }
@@ -51,9 +51,6 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let mut seen = timed(&mut timings.read, || read(plan, session))?;
     if let Some(path) = plan.plot.as_deref().filter(|_| !plan.is_plan) {
         pictures::plot(path, plan, &seen, session)?;
-        if plan.targets.is_empty() {
-            return Ok(String::new());
-        }
     }
     let is_plan = plan.is_plan;
     let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
@@ -63,9 +60,10 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
             mode if mode.shows_values() => seen.scene.needs_of_rays(scan, &session.job)?,
             _ => seen.scene.needs(scan, &session.job)?,
         };
-        skipped = RenderSkipped::of(&needs);
+        skipped = RenderSkipped::of(&needs, plan.mode);
     }
-    if !is_plan {
+    let has_pictures = !plan.targets.is_empty() || !plan.channels.is_empty();
+    if has_pictures && !is_plan {
         if let (Some(scan), ModeWord::Surfaces) = (&seen.scan, plan.mode) {
             let made = timed(&mut timings.extract, || seen.scene.meshes(scan, &session.job));
             seen.meshes = made?;
@@ -80,10 +78,12 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     }
     words::tell(plan.mode, &skipped, &timings, session);
     let Some(input) = seen.input else { return Ok(String::new()) };
-    let outputs = plan.targets.iter().filter_map(|target| match target {
+    let pictures = plan.targets.iter().filter_map(|target| match target {
         Stream::File(path) => Some(path.clone()),
         Stream::Stdout => None,
     });
+    let others = plan.channels.iter().map(|(_, path)| path).chain(&plan.plot).cloned();
+    let outputs = pictures.chain(others.filter(|_| !is_plan));
     let report = RenderReport {
         mode: words::mode_name(plan.mode),
         size: [plan.size.width.get(), plan.size.height.get()],

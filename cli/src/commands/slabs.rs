@@ -63,6 +63,7 @@ pub(super) fn extract(
     let written = timed(&mut timings.write, || spool.finish())?;
     timings.total = start.elapsed().as_secs_f64();
     super::extract::tell_written(&written, &timings, session);
+    super::extract::dump_scene(plan, &isos, session)?;
     if !is_told {
         return Ok(String::new());
     }

@@ -2,7 +2,7 @@
 
 use super::{MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
-    args::{ExtractArgs, LevelArg, PlacementArg},
+    args::{ExtractArgs, LevelArg, PlacementArg, SpaceArg},
     fault::UsageError,
 };
 use anyhow::Result;
@@ -86,6 +86,7 @@ impl ExtractPlan {
             (None, None) => Repeat::Once,
         };
         check_refine(&refine, &surface)?;
+        check_scene(&args)?;
         if args.max_memory.is_some() {
             check_slabs(&target, (&surface, &refine), repeat)?;
         }
@@ -180,6 +181,23 @@ fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), 
         )),
         _ => Ok(()),
     }
+}
+
+/// What a scene cannot say.
+fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
+    let Some(path) = &args.dump_scene else { return Ok(()) };
+    let is_scene = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    let says = match () {
+        () if !is_scene => "--dump-scene: expected a name that ends in .toml",
+        () if args.roi.is_some() || args.roi_mm.is_some() => {
+            "--dump-scene: a scene shows the whole volume: leave out --roi"
+        }
+        () if !args.clip.is_empty() && args.space != SpaceArg::Source => {
+            "--dump-scene: planes of a scene are in the file's own space: leave out --space"
+        }
+        () => return Ok(()),
+    };
+    Err(UsageError(says.into()))
 }
 
 /// What does not fit together with slices that pass by.

@@ -1,11 +1,13 @@
 //! What `render` will do.
 
 mod model;
+mod outputs;
+mod subject;
 mod viewpoint;
 
 pub(crate) use model::{FadePlan, ModelPlan};
 
-use super::{Stream, TextTarget, palette, places::Places, target::mesh_format};
+use super::{Stream, TextTarget, palette};
 use crate::{
     args::{LevelArg, RenderArgs},
     fault::UsageError,
@@ -25,10 +27,7 @@ use isokit::{
     },
     scene::{CapStyle, Clip, Viewpoint},
 };
-use std::{
-    num::NonZeroU32,
-    path::{Path, PathBuf},
-};
+use std::{num::NonZeroU32, path::PathBuf};
 
 /// Everything that `render` needs to know.
 #[derive(Debug)]
@@ -85,7 +84,7 @@ impl RenderPlan {
         let ending = args.input.extension();
         let is_scene = ending.is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         let file = is_scene.then(|| SceneFile::read(&args.input)).transpose()?;
-        let subject = subject(&args, file.as_ref())?;
+        let subject = subject::of(&args, file.as_ref())?;
         let file = file.unwrap_or_default();
         let surfaces = surfaces(&args.iso, &file.surface)?;
         let is_mesh = matches!(subject, Subject::Mesh(_));
@@ -94,7 +93,7 @@ impl RenderPlan {
             false => ModeWord::Surfaces,
         };
         let mode = args.mode.or(file.output.mode).unwrap_or(default);
-        check_subject(&subject, mode, &surfaces)?;
+        subject::check(&subject, mode, &surfaces)?;
         let clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
         check_use(&args, mode, &clips)?;
         let viewpoint = viewpoint::of(&args, &file.camera)?;
@@ -106,7 +105,9 @@ impl RenderPlan {
             .or(size)
             .ok_or_else(|| UsageError("[output] size: expected two numbers above 0".into()))?;
         let model = model::of(args.preset, &file, mode)?;
-        let (targets, report) = targets(&args, &subject)?;
+        let channels = outputs::channels(&args, mode)?;
+        let plot = outputs::plot(&args, &subject)?;
+        let (targets, report) = outputs::targets(&args, &subject)?;
         Ok(Self {
             mode,
             surfaces,
@@ -115,61 +116,19 @@ impl RenderPlan {
             viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from))?,
             raster: model::raster(&file.light, mode)?
                 .with_smoothing(args.smoothing.unwrap_or_default().into()),
-            raycast: model::raycast(&file, mode)?,
+            raycast: model::raycast(&file, mode, args.mode.is_some())?,
             size,
             background: background(args.background.or(file.output.background)),
             depth: args.bits.into(),
             is_plan: args.plan,
             is_sheet: args.sheet,
-            channels: channels(&args, mode)?,
-            plot: plot(&args, &subject)?,
+            channels,
+            plot,
             subject,
             targets,
             report,
         })
     }
-}
-
-/// What is looked at: what the scene names, or what was typed.
-fn subject(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject, UsageError> {
-    let Some(file) = file else {
-        let options = args.volume.options();
-        let VolumeOptions { volume_index, raw, spacing, origin, .. } = &options;
-        let describes =
-            volume_index.is_some() || raw.is_some() || spacing.is_some() || origin.is_some();
-        return match mesh_format(&args.input) {
-            Some(_) if describes => {
-                let says = "a mesh has no samples: leave out what describes those of a volume";
-                Err(UsageError(says.into()))
-            }
-            Some(_) => Ok(Subject::Mesh(args.input.clone())),
-            None => Ok(Subject::Volume(args.input.clone(), options)),
-        };
-    };
-    let Some(volume) = &file.volume else {
-        let says = "the scene names no volume: [volume] with path = \"…\" does";
-        return Err(UsageError(format!("{}: {says}", args.input.display())));
-    };
-    let folder = args.input.parent().unwrap_or(Path::new(""));
-    Ok(Subject::Volume(folder.join(&volume.path), args.volume.options()))
-}
-
-fn check_subject(
-    subject: &Subject,
-    mode: ModeWord,
-    surfaces: &[LookPlan],
-) -> Result<(), UsageError> {
-    let says = match (subject, mode) {
-        (Subject::Mesh(_), ModeWord::Raycast | ModeWord::IsoRaycast | ModeWord::Splat) => {
-            "a mesh has no values for rays to go through: leave out --mode"
-        }
-        (Subject::Mesh(_), _) if !surfaces.is_empty() => "a mesh has no values: leave out --iso",
-        (Subject::Volume(..), ModeWord::Surfaces | ModeWord::IsoRaycast) if surfaces.is_empty() => {
-            "no surface is named: give --iso, or [[surface]] in the scene"
-        }
-        _ => return Ok(()),
-    };
-    Err(UsageError(says.into()))
 }
 
 /// That what was typed is of use for what is shown.
@@ -207,7 +166,7 @@ fn surfaces(typed: &[LevelArg], file: &[SurfaceTable]) -> Result<Vec<LookPlan>, 
             let says = format!("expected an opacity from 0 to 1, found {opacity}");
             return Err(UsageError(format!("[[surface]] {number}: {says}")));
         }
-        let texture = surface.texture.as_ref().map(|table| texture(table, color));
+        let texture = surface.texture.as_ref().map(|table| texture(table, surface.color, color));
         let texture = texture
             .transpose()
             .map_err(|says| UsageError(format!("[[surface]] {number}, texture: {says}")))?;
@@ -216,15 +175,20 @@ fn surfaces(typed: &[LevelArg], file: &[SurfaceTable]) -> Result<Vec<LookPlan>, 
     file.iter().enumerate().map(of_file).collect()
 }
 
-/// The texture of a surface of such a colour.
-fn texture(table: &TextureTable, own: Rgba) -> Result<SolidTexture, String> {
+/// The texture of a surface: what is said of its colour, and which it has.
+fn texture(table: &TextureTable, said: Option<Color>, own: Rgba) -> Result<SolidTexture, String> {
+    let is_opaque = |Color(rgba): &Color| rgba.0[3] == u8::MAX;
+    if !table.colors.iter().all(is_opaque) {
+        return Err("expected colors as #rrggbb: the opacity is the surface's".into());
+    }
     let color = |rgba: Rgba| {
         let [r, g, b, _] = rgba.to_linear();
         [r, g, b]
     };
     let colors = match table.colors[..] {
         [Color(second)] => [own, second],
-        [Color(first), Color(second)] => [first, second],
+        [Color(first), Color(second)] if said.is_none() => [first, second],
+        [_, _] => return Err("expected one color, the other is the surface's, found two".into()),
         _ => return Err(format!("expected one or two colors, found {}", table.colors.len())),
     };
     let pattern = match table.pattern {
@@ -256,83 +220,4 @@ fn background(ground: Option<Ground>) -> Background {
             Background::Color([r, g, b])
         }
     }
-}
-
-/// What else surfaces have.
-fn channels(args: &RenderArgs, mode: ModeWord) -> Result<Vec<(Channel, PathBuf)>, UsageError> {
-    let depth = args.depth.as_ref().map(|path| (Channel::Depth, path.clone()));
-    let normals = args.normals.as_ref().map(|path| (Channel::Normal, path.clone()));
-    if args.normals.as_ref().is_some_and(|path| !is_png(path)) {
-        let says = "--normals: expected a name that ends in .png";
-        return Err(UsageError(says.into()));
-    }
-    let channels: Vec<_> = depth.into_iter().chain(normals).collect();
-    if !channels.is_empty() && mode.shows_values() {
-        let says = "--depth and --normals are of surfaces: add --iso, or leave them out";
-        return Err(UsageError(says.into()));
-    }
-    Ok(channels)
-}
-
-fn plot(args: &RenderArgs, subject: &Subject) -> Result<Option<PathBuf>, UsageError> {
-    match (&args.plot, subject) {
-        (Some(_), Subject::Mesh(_)) => {
-            Err(UsageError("a mesh has no values: leave out --plot".into()))
-        }
-        (Some(path), _) if !is_png(path) => {
-            let says = "--plot: expected a name that ends in .png";
-            Err(UsageError(says.into()))
-        }
-        (path, _) => Ok(path.clone()),
-    }
-}
-
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
-}
-
-/// Where pictures and report go.
-fn targets(args: &RenderArgs, subject: &Subject) -> Result<(Vec<Stream>, Option<TextTarget>)> {
-    let report = args.report.as_deref().map(Stream::named).transpose()?;
-    let output = args.output.as_deref().filter(|_| !args.plan);
-    let Some(output) = output else { return Ok((vec![], report)) };
-    let frames = args.frames.map_or(1, usize::from);
-    let targets = match Stream::named(output)? {
-        Stream::Stdout if frames > 1 => {
-            return Err(
-                UsageError("several pictures do not fit into stdout: name a file".into()).into()
-            );
-        }
-        Stream::Stdout if report == Some(Stream::Stdout) => {
-            let says = "picture and report cannot both go to stdout: name a file for one of them";
-            return Err(UsageError(says.into()).into());
-        }
-        Stream::File(path) if !is_png(&path) => {
-            let says = format!("{}: expected a name that ends in .png", path.display());
-            return Err(UsageError(says).into());
-        }
-        Stream::File(path) if frames > 1 => {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let digits = frames.to_string().len().max(3);
-            let frame = |n: usize| path.with_file_name(format!("{stem}_{n:0digits$}.png"));
-            (1..=frames).map(|n| Stream::File(frame(n))).collect()
-        }
-        one => vec![one],
-    };
-    let (Subject::Volume(input, _) | Subject::Mesh(input)) = subject;
-    let mut places = Places::of_input(input);
-    if *input != args.input {
-        places.add("the scene", &args.input)?;
-    }
-    let others = [("--depth", &args.depth), ("--normals", &args.normals), ("--plot", &args.plot)];
-    for (by, path) in others {
-        path.iter().try_for_each(|path| places.add(by, path))?;
-    }
-    let files = targets.iter().map(|target| ("--output", target));
-    for (by, stream) in files.chain(report.as_ref().map(|report| ("--report", report))) {
-        if let Stream::File(path) = stream {
-            places.add(by, path)?;
-        }
-    }
-    Ok((targets, report))
 }

@@ -1,6 +1,7 @@
 //! What `render` computed, and what not.
 
 use super::{VolumeFacts, peak_rss_bytes, simd};
+use crate::scene_file::ModeWord;
 use isokit::{
     render::{Cast, Drawn, Splatted, Traced},
     scene::{Needs, SurfaceNeed},
@@ -51,6 +52,7 @@ pub(crate) struct RenderSkipped {
     pub(crate) bricks: u64,
     /// Those that hold no surface that can be seen, or nothing that rays can show.
     pub(crate) bricks_skipped: u64,
+    /// Samples of the volume; for splats once for each picture.
     pub(crate) samples: u64,
     /// Those that planes cut away from all surfaces, or that give nothing to a picture of splats.
     pub(crate) samples_skipped: u64,
@@ -127,8 +129,8 @@ impl RenderReport<'_> {
 }
 
 impl RenderSkipped {
-    /// What is known before anything is drawn.
-    pub(crate) fn of(needs: &Needs) -> Self {
+    /// What is known before anything is drawn. Of splats it is known afterwards which samples are skipped.
+    pub(crate) fn of(needs: &Needs, mode: ModeWord) -> Self {
         let skipped = |(number, need): (usize, &SurfaceNeed)| {
             let why = need.part.as_ref().err()?.to_string();
             Some(SkippedSurface { number, name: need.name.clone(), why })
@@ -136,7 +138,7 @@ impl RenderSkipped {
         Self {
             bricks: needs.bricks,
             bricks_skipped: needs.bricks_skipped,
-            samples: needs.samples,
+            samples: if mode == ModeWord::Splat { 0 } else { needs.samples },
             samples_skipped: needs.samples_skipped,
             surfaces: needs.surfaces.iter().enumerate().filter_map(skipped).collect(),
             ..Self::default()
@@ -156,6 +158,7 @@ impl RenderSkipped {
 
     pub(crate) fn add_splatted(&mut self, splatted: &Splatted) {
         self.splats += splatted.splats;
+        self.samples += splatted.samples;
         self.samples_skipped += splatted.samples_skipped;
         self.sheets_hidden += splatted.sheets_hidden;
     }

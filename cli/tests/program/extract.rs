@@ -256,14 +256,25 @@ fn an_extraction_says_what_it_made_as_a_scene() {
     folder.done(&format!("{line} --clip 0,1,0,33 --dump-scene s.toml"));
     let scene = fs::read_to_string(folder.path("s.toml")).unwrap();
     for says in
-        ["ball.nii\"", "name = \"wall\"\niso = 50.0\ncolor = \"#ff000080\"", "iso = \"70%\""]
+        ["ball.nii\"", "name = \"wall\"\niso = 50.0\ncolor = \"#ff000080\"", "iso = 2", "[[clip]]"]
     {
         assert!(scene.contains(says), "{says}: {scene}");
     }
     let ran = folder.done("render s.toml --plan");
     assert!(ran.text().contains("wall: extracted at 50"), "{}", ran.text());
-    let ran = folder.run("extract ball.nii --iso 50 -o a.glb --dump-scene a.glb");
-    assert_eq!(ran.exit, Exit::Usage, "{}", ran.err);
+    folder.done("render s.toml --size 33x33 -o a.png");
+    let line = "extract ball.nii --iso 50 -o a.glb";
+    folder.done(&format!("{line} --spacing 1,2,3 --max-memory 512MiB --dump-scene t.toml"));
+    folder.done("render t.toml --size 33x33 -o a.png --report r.json");
+    assert_eq!(folder.json("r.json")["input"]["spacing"], serde_json::json!([1.0, 2.0, 3.0]));
+    for (line, says) in [
+        ("--dump-scene a.glb", ".toml"),
+        ("--dump-scene s.toml --roi 0:4,0:4,0:4", "--roi"),
+        ("--dump-scene s.toml --clip 1,0,0,3 --space index", "--space"),
+    ] {
+        let ran = folder.run(&format!("extract ball.nii --iso 50 -o a.glb {line}"));
+        assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{line}: {}", ran.err);
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@
 //!
 //! Colours are linear light; what is written to a file is encoded in the end (`image.rs`).
 
-/// A colour in linear light multiplied by its opacity, each from 0 to 1.
+/// A colour in linear light multiplied by its opacity, each from 0 to 1; brighter only in light that particles scatter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gathered {
     /// Red, green and blue, times the opacity.

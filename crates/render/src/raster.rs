@@ -111,6 +111,8 @@ pub struct RasterOptions {
     /// How much darker it is where what is opaque is in the way of light from all around: from 0 to 1, where places
     /// that see nothing but walls are dark. Changes the picture, and needs 64 small ones of what is seen. Default: 0.
     pub occlusion: f32,
+    /// The unit of depths, in world units.
+    pub(crate) depth_unit: f64,
 }
 
 /// How many points of a pixel are looked at: no two of them in a line with an edge of the picture.
@@ -138,6 +140,7 @@ impl RasterOptions {
         light_from: None,
         shadows: false,
         occlusion: 0.0,
+        depth_unit: 1.0,
     };
 
     /// The same options with another `light`.
@@ -249,7 +252,9 @@ pub fn rasterize(
     let quiet = job.unwatched();
     let in_the_way = |painted: &&Painted<'_>| painted.opacity >= 1.0;
     let opaque: Vec<_> = surfaces.iter().filter(in_the_way).copied().collect();
-    let shading = Shading::new(camera, options, bounds(&opaque), |view, options| {
+    // Caps hide light too, wherever a surface was cut.
+    let around = if caps.is_empty() { bounds(&opaque) } else { bounds(surfaces) };
+    let shading = Shading::new(camera, options, around, |view, options| {
         Ok::<_, RasterError>(rasterize(&opaque, caps, view, options, &quiet)?.0)
     })?;
     let surfaces = match options.channel {

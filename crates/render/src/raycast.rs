@@ -59,13 +59,13 @@ pub struct RaycastOptions {
     /// [`Light::DEFAULT`].
     pub light: Option<Light>,
     /// With so much opacity nothing behind is looked at. Changes the picture, by no more than what is left to 1 in each part of
-    /// a colour. Default: 1 − 2⁻¹³, of which 8 bits show nothing, in the dark either.
+    /// a colour (times the strength of light that is scattered, where that is more). Default: 1 − 2⁻¹³, of which 8 bits show nothing, in the dark either.
     pub opaque: f32,
     /// Whether rays begin with a part of a step, of another length in each pixel: rings that steps leave on smooth things
     /// become a grain. Changes the picture. For rays alone. Default: false.
     pub jitter: bool,
     /// By how much a colour or an opacity may differ from that with steps twice as long: a pixel in which it differs by
-    /// more is cast again with shorter ones, up to 64 times. Where steps are short enough that the error is of order 2,
+    /// more is cast again with shorter ones, up to 64 times, as long as there are no more than the most of them. Where steps are short enough that the error is of order 2,
     /// what is left of it is about a third of that. Changes the picture. For rays alone. Default: `None`, all steps are of
     /// one length.
     pub error: Option<f32>,
@@ -206,10 +206,14 @@ pub fn raycast<T: Sample>(
     let mut done = all.cast(step, None, &mut image, job)?;
     let Some(error) = options.error else { return Ok((image, done)) };
     // Each time of those pixels that differed, with steps half as long.
-    let mut wanted = vec![true; image.pixels().len()];
-    for halving in 1..=MOST_HALVINGS {
-        let mut finer = image.clone();
-        let step = step / f64::from(1 << halving);
+    let mut wanted: Vec<bool> =
+        job.limits.vec("pixels to be cast again", Some(size.pixels())).map_err(Stopped::from)?;
+    wanted.resize(image.pixels().len(), true);
+    let across = across(medium.view);
+    let steps = (1..=MOST_HALVINGS).map(|halving| step / f64::from(1 << halving));
+    for step in steps.take_while(|step| across / step <= MOST_STEPS) {
+        let mut finer = Image::new(size, &job.limits).map_err(Stopped::from)?;
+        finer.pixels_mut().copy_from_slice(image.pixels());
         let cast = all.cast(step, Some(&wanted), &mut finer, job)?;
         done = done.with(cast);
         let pairs = image.pixels().iter().zip(finer.pixels());
@@ -296,6 +300,12 @@ fn grain([column, row]: [usize; 2]) -> f64 {
     (52.9829189 * sum.fract()).fract()
 }
 
+/// How long the three edges of a volume are together.
+fn across<T: Sample>(view: &View<'_, T>) -> f64 {
+    let spacing = view.frame().index_to_world.spacing();
+    (0..3).map(|axis| view.dims()[axis] as f64 * spacing[axis]).sum()
+}
+
 /// The length of a step, and that over which opacities are gathered, in world units.
 pub(crate) fn lengths<T: Sample>(
     view: &View<'_, T>,
@@ -304,7 +314,7 @@ pub(crate) fn lengths<T: Sample>(
     let spacing = view.frame().index_to_world.spacing();
     let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
     let (step, unit) = (options.step * smallest, options.unit.unwrap_or(smallest));
-    let across: f64 = (0..3).map(|axis| view.dims()[axis] as f64 * spacing[axis]).sum();
+    let across = across(view);
     for (what, value) in [("the step", step), ("the reference length", unit)] {
         if !(value > 0.0 && value.is_finite() && across / value <= MOST_STEPS) {
             return Err(RaycastError::Length { what, value, most: MOST_STEPS });

@@ -8,7 +8,7 @@
 use crate::{Camera, Gathered, Image, RasterOptions, Size};
 use isokit_geom::{
     Aabb,
-    vector::{Vector, dot, length},
+    vector::{Vector, dot, unit},
 };
 use std::num::NonZeroU32;
 
@@ -61,7 +61,6 @@ impl<'a> Shading<'a> {
         draw: impl Fn((&Camera, Size), &RasterOptions) -> Result<Image, E>,
     ) -> Result<Self, E> {
         let from = options.light_from.and_then(unit);
-        let plain = RasterOptions { channel: Channel::Depth, ..RasterOptions::PLAIN };
         let see = |from: Vector, side: u32| -> Result<Option<Seen>, E> {
             let up = if from[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
             let towards = from.map(|c| -c);
@@ -70,8 +69,14 @@ impl<'a> Shading<'a> {
                 bounds.and_then(|bounds| Camera::framing(bounds, (towards, up), None, 1.0).ok());
             let Some(camera) = camera else { return Ok(None) };
             let side = NonZeroU32::MIN.saturating_add(side - 1);
-            let image = draw((&camera, Size { width: side, height: side }), &plain)?;
             let pixel = 2.0 * camera.half_height(1.0) / f64::from(side.get());
+            // In pixels, which are numbers of f32 in whatever unit the world is.
+            let depths = RasterOptions {
+                channel: Channel::Depth,
+                depth_unit: pixel,
+                ..RasterOptions::PLAIN
+            };
+            let image = draw((&camera, Size { width: side, height: side }), &depths)?;
             Ok(Some(Seen { camera, from, image, pixel }))
         };
         let is_lit = options.light.is_some() && options.channel == Channel::Color;
@@ -99,7 +104,8 @@ impl<'a> Shading<'a> {
     ) -> [f32; 3] {
         match (self.options.channel, &self.options.light) {
             (Channel::Depth, _) => {
-                [dot(self.camera.forward(), from_to(self.camera.from(), place)) as f32; 3]
+                let ahead = dot(self.camera.forward(), from_to(self.camera.from(), place));
+                [(ahead / self.options.depth_unit) as f32; 3]
             }
             (Channel::Normal, _) => {
                 let [right, up, ahead] = self.camera.turned(facing(normal(), towards));
@@ -185,7 +191,7 @@ impl Seen {
             return true;
         }
         let first = self.image.pixel(column as u32, row as u32);
-        first.opacity == 0.0 || ahead <= f64::from(first.color[0]) + self.pixel
+        first.opacity == 0.0 || ahead / self.pixel <= f64::from(first.color[0]) + 1.0
     }
 
     /// The share of light that comes to a place: between light and shadow a part of it.
@@ -206,12 +212,6 @@ fn direction(n: u32) -> Vector {
 
 fn from_to(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|k| b[k] - a[k])
-}
-
-/// One long; none of what has no direction.
-fn unit(v: Vector) -> Option<Vector> {
-    let long = length(v);
-    (long > 0.0 && long.is_finite()).then(|| v.map(|c| c / long))
 }
 
 /// One long, and towards the eye; back to the eye where there is none.

@@ -19,12 +19,12 @@ mod sheet;
 mod tile;
 
 use crate::{
-    Camera, Image, Medium, RaycastError, RaycastOptions, Size, Trilinear,
+    Camera, Gathered, Image, Medium, RaycastError, RaycastOptions, Size, Trilinear,
     clear::{CELLS, Clear},
     raycast::{Cloud, lengths},
     transfer::Lookup,
 };
-use footprint::{Footprint, RADIUS};
+use footprint::Footprint;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use isokit_volume::Sample;
@@ -37,9 +37,11 @@ use tile::{TILE, Tiles};
 pub struct Splatted {
     /// How often a sample was laid on a sheet.
     pub splats: u64,
-    /// Samples that give nothing to what can be seen, or are beside the picture.
+    /// Samples of the volume.
+    pub samples: u64,
+    /// Those that give nothing to what can be seen, or are beside the picture.
     pub samples_skipped: u64,
-    /// Sheets behind what is opaque, once for each part of the picture.
+    /// Sheets behind what is as good as opaque, once for each part of the picture.
     pub sheets_hidden: u64,
 }
 
@@ -47,6 +49,7 @@ impl Splatted {
     fn with(self, other: Self) -> Self {
         Self {
             splats: self.splats + other.splats,
+            samples: self.samples + other.samples,
             samples_skipped: self.samples_skipped + other.samples_skipped,
             sheets_hidden: self.sheets_hidden + other.sheets_hidden,
         }
@@ -80,10 +83,10 @@ pub fn splat<T: Sample>(
         let lookup = Lookup::new(medium.model, step / unit, step);
         let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
         let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
-        // Around what can be seen: what gives to it, what gives to those, and to its neighbours on and across sheets.
-        let reach = (2.0 * RADIUS * sheets.widening() + sheets.pitch()) / CELLS as f64;
-        let near = reach.ceil().min(254.0) as u8;
-        let blocks = blocks(view.dims(), clear.as_ref().map(|clear| (clear, near)), &sheets, job)?;
+        // Around what can be seen: what gives to it, and what gives to its neighbours on and across sheets.
+        let reach = ((2.0 * sheets.reach() + sheets.pitch()) / CELLS as f64).ceil();
+        let near = (reach < f64::from(u8::MAX)).then_some(reach as u8); // or else all
+        let blocks = blocks(view.dims(), clear.as_ref().zip(near), &sheets, job)?;
         let laid: u64 = blocks.iter().map(Block::samples).sum();
         let all: u64 = view.dims().iter().map(|&n| n as u64).product();
         let footprint = Footprint::new(sheets.thickness());
@@ -100,17 +103,19 @@ pub fn splat<T: Sample>(
         };
         let bins = bins(&blocks, size, job)?;
         job.progress.begin("render", bins.len() as u64);
+        job.limits.probe("parts of the picture", Some(size.pixels()), size_of::<Gathered>())?;
         let tile = |(number, bin): (usize, &Vec<u32>)| {
             exactly(|| {
                 job.check()?;
-                let drawn = tiles.draw(number, &blocks, bin);
+                let drawn = tiles.draw(number, &blocks, bin, job)?;
                 job.progress.advance(1);
                 Ok::<_, Stopped>(drawn)
             })
         };
         let drawn: Vec<_> =
             job.threads.run(|| bins.par_iter().enumerate().map(tile).collect::<Result<_, _>>())?;
-        let mut done = Splatted { samples_skipped: all - laid, ..Splatted::default() };
+        let samples_skipped = all - laid;
+        let mut done = Splatted { samples: all, samples_skipped, ..Splatted::default() };
         for (number, (pixels, of_tile)) in drawn.into_iter().enumerate() {
             let [left, top] = tiles.corner(number);
             for (row, pixels) in pixels.chunks(tiles.extent(number)[0]).enumerate() {

@@ -3,6 +3,7 @@
 
 use isokit_geom::vector::Vector;
 use noise::{NoiseFn, Perlin};
+use std::sync::LazyLock;
 
 /// A pattern of two colours that fills the world.
 ///
@@ -35,7 +36,7 @@ pub enum Pattern {
 pub struct TextureError(f64);
 
 /// The same noise in every picture.
-const SEED: u32 = 1985;
+static NOISE: LazyLock<Perlin> = LazyLock::new(|| Perlin::new(1985));
 
 impl SolidTexture {
     /// A pattern of two colours in linear light, so large in the world.
@@ -66,7 +67,7 @@ impl SolidTexture {
                 (0.5 + 0.5 * (stirred * std::f64::consts::TAU).sin()).powi(3)
             }
             Pattern::Wood => {
-                let wavers = 0.25 * Perlin::new(SEED).get([0.6 * x, 0.6 * y, 0.15 * z]);
+                let wavers = 0.25 * NOISE.get([0.6 * x, 0.6 * y, 0.15 * z]);
                 let ring = ((x * x + y * y).sqrt() + wavers).rem_euclid(1.0);
                 // Early wood grows slowly darker, and late wood ends soon.
                 let late = 0.85;
@@ -81,10 +82,9 @@ impl SolidTexture {
 
 /// Noise of several sizes, folded (Perlin 1985): from 0 on, and seldom above 1.
 fn turbulence(place: Vector) -> f64 {
-    let noise = Perlin::new(SEED);
     let octave = |n: i32| {
         let fine = 2.0_f64.powi(n);
-        noise.get(place.map(|c| c * fine)).abs() / fine
+        NOISE.get(place.map(|c| c * fine)).abs() / fine
     };
     (0..5).map(octave).sum()
 }

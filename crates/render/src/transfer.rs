@@ -18,6 +18,7 @@ pub use mixture::{Material, Mixture, MixtureError};
 pub use model::OpticalModel;
 pub use slopes::{SlopeError, SlopeFunction};
 pub use steep::full_slope;
+pub(crate) use steep::slope_at;
 
 use isokit_mesh::Rgba;
 

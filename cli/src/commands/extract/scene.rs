@@ -1,16 +1,17 @@
 //! The surfaces of an extraction as a scene.
 
 use crate::{
+    args::SampleType,
     fault::UsageError,
     plan::{ExtractPlan, LevelPlan, color},
 };
 use anyhow::{Context, Result};
-use isokit::pipeline::IsoChoice;
+use isokit::io::RawLayout;
 use std::{fmt::Write, path};
 use toml::Value;
 
-/// A scene file that shows what was asked for: the volume wherever the scene lies, and each surface.
-pub(super) fn text(plan: &ExtractPlan) -> Result<String> {
+/// A scene file that shows what was made: the volume wherever the scene lies, and each surface at its isovalue.
+pub(super) fn text(plan: &ExtractPlan, isos: &[f64]) -> Result<String> {
     let input = path::absolute(&plan.input)
         .with_context(|| format!("{}: cannot find its place", plan.input.display()))?;
     let Some(input) = input.to_str() else {
@@ -19,15 +20,20 @@ pub(super) fn text(plan: &ExtractPlan) -> Result<String> {
     };
     let quoted = |text: &str| Value::String(text.to_owned()).to_string();
     let mut text = format!("[volume]\npath = {}\n", quoted(input));
-    for (n, level) in plan.levels.iter().enumerate() {
-        let LevelPlan { iso, name, color: own } = level;
-        let iso = match iso {
-            IsoChoice::Value(iso) => Value::Float(*iso).to_string(),
-            other => quoted(&other.to_string()),
-        };
+    let options = &plan.volume;
+    if let Some(RawLayout { dims, dtype, endian, skip }) = options.raw {
+        let sample = quoted(&SampleType { dtype, endian }.to_string());
+        write!(text, "dims = {dims:?}\ndtype = {sample}\nskip = {skip}\n")?;
+    }
+    for (name, three) in [("spacing", options.spacing), ("origin", options.origin)] {
+        three.iter().try_for_each(|three| writeln!(text, "{name} = {three:?}"))?;
+    }
+    options.volume_index.iter().try_for_each(|index| writeln!(text, "index = {index}"))?;
+    for (n, (level, iso)) in plan.levels.iter().zip(isos).enumerate() {
+        let LevelPlan { name, color: own, .. } = level;
         let name = name.as_ref().map_or(String::new(), |name| format!("name = {}\n", quoted(name)));
         let color = quoted(&own.unwrap_or(color(n)).to_string());
-        write!(text, "\n[[surface]]\n{name}iso = {iso}\ncolor = {color}\n")?;
+        write!(text, "\n[[surface]]\n{name}iso = {iso:?}\ncolor = {color}\n")?;
     }
     for plane in &plan.clips {
         let ([x, y, z], offset) = (plane.normal(), plane.offset());

@@ -129,7 +129,8 @@ fn sheet(plan: &RenderPlan, seen: &Seen, skipped: &mut RenderSkipped, job: &Job)
             Background::Transparent => true,
         };
         let ink = if is_light { Rgb888::BLACK } else { Rgb888::WHITE };
-        let place = [left as i32 + 8, (top + cell.height.get()) as i32 - 8];
+        let place = [left + 8, top + cell.height.get().saturating_sub(8)];
+        let place = place.map(|c| i32::try_from(c).unwrap_or(i32::MAX));
         Canvas(&mut image).words(&name, place, ink, Alignment::Left);
     }
     Ok(image)
@@ -149,7 +150,8 @@ pub(super) fn channels(plan: &RenderPlan, seen: &Seen, session: &Session<'_, '_>
             };
             let [width, height] = [plan.size.width, plan.size.height].map(|n| n.get().into());
             let grid = Grid::new([width, height, 1], Frame::default())?;
-            let depths = image.pixels().iter().map(depth).collect();
+            let mut depths = session.job.limits.vec("depths", Some(plan.size.pixels()))?;
+            depths.extend(image.pixels().iter().map(depth));
             write_volume(path, &Volume::new(grid, depths)?.into(), &session.job)?;
         } else {
             let range =

@@ -8,6 +8,7 @@ use crate::{
     scene_file::ModeWord,
     text::{counted, grouped},
 };
+use isokit::render::Channel;
 
 /// Says what was computed, and what not.
 pub(super) fn tell(
@@ -45,6 +46,19 @@ pub(super) fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped
     } else if !seen.scene.surfaces.is_empty() {
         lines.push("not computed: surfaces and caps, which pictures of values do not show".into());
     }
+    if plan.is_sheet {
+        lines.push("each surface alone, side by side".into());
+    }
+    for (channel, path) in &plan.channels {
+        let what = match channel {
+            Channel::Depth => "depths",
+            _ => "normals",
+        };
+        lines.push(format!("{what} of surfaces, to {}", path.display()));
+    }
+    if let Some(path) = &plan.plot {
+        lines.push(format!("a chart of what values look like, to {}", path.display()));
+    }
     lines.extend(skipped_lines(plan.mode, skipped));
     lines.join("\n") + "\n"
 }
@@ -56,8 +70,9 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
     };
     let triangles = skipped.triangles + skipped.triangles_skipped;
     let of_samples = match mode {
-        ModeWord::Splat => "samples, which give nothing to what can be seen",
-        _ => "samples, which planes cut away",
+        ModeWord::Splat => Some("samples, which give nothing to what can be seen"),
+        ModeWord::Raycast => None,
+        _ => Some("samples, which planes cut away"),
     };
     let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
     [
@@ -69,7 +84,7 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
             let [part, all] = [skipped.bricks_skipped, skipped.bricks].map(grouped);
             format!("{part} of {all} bricks hold {what}")
         }),
-        of(skipped.samples_skipped, skipped.samples, of_samples),
+        of_samples.and_then(|what| of(skipped.samples_skipped, skipped.samples, what)),
         of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
         of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
         of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),

@@ -133,13 +133,31 @@ fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
         let says = "[light]: expected ambient, diffuse and specular from 0 to 1, found";
         return Err(UsageError(format!("{says} {shares:?}")));
     }
-    Ok((shading != ShadingWord::None).then_some(light))
+    let is_lit = shading != ShadingWord::None;
+    // Particles that scatter light have some without it.
+    let ambient = ambient.filter(|_| table.scatter.is_none());
+    let is_said = ambient.or(diffuse).or(specular).is_some() || shininess.is_some();
+    if !is_lit && is_said {
+        let says =
+            "[light]: with shading = \"none\" there is no ambient, diffuse, specular or shininess";
+        return Err(UsageError(says.into()));
+    }
+    Ok(is_lit.then_some(light))
 }
 
-/// How values are sampled and lit.
-pub(super) fn raycast(file: &SceneFile, mode: ModeWord) -> Result<RaycastOptions, UsageError> {
+/// How values are sampled and lit. Of a mode that was typed what the file says for another is left aside.
+pub(super) fn raycast(
+    file: &SceneFile,
+    mode: ModeWord,
+    is_typed: bool,
+) -> Result<RaycastOptions, UsageError> {
     let SamplingTable { step, jitter, error } = file.sampling;
-    if mode != ModeWord::Raycast && (jitter || error.is_some()) {
+    let is_sampled = step.is_some() || file.transfer.as_ref().is_some_and(|t| t.unit.is_some());
+    if !is_typed && !mode.shows_values() && is_sampled {
+        let says = "[sampling] step and [transfer] unit: expected mode = \"raycast\" or \"splat\"";
+        return Err(UsageError(says.into()));
+    }
+    if !is_typed && mode != ModeWord::Raycast && (jitter || error.is_some()) {
         let says = "[sampling] jitter and error: expected mode = \"raycast\"";
         return Err(UsageError(says.into()));
     }
@@ -163,8 +181,9 @@ pub(super) fn raycast(file: &SceneFile, mode: ModeWord) -> Result<RaycastOptions
             check_from(Some(from))?;
             let ambient = ambient.unwrap_or(Light::DEFAULT.ambient);
             let ahead = ahead.unwrap_or(0.0);
-            if !((0.0..=100.0).contains(&strength) && (-1.0..=1.0).contains(&ahead)) {
-                let says = "[light]: expected scatter from 0 to 100 and ahead from -1 to 1, found";
+            if !((0.0..=100.0).contains(&strength) && (-0.99..=0.99).contains(&ahead)) {
+                let says =
+                    "[light]: expected scatter from 0 to 100 and ahead from -0.99 to 0.99, found";
                 return Err(UsageError(format!("{says} {strength} and {ahead}")));
             }
             Some(Scatter { from, strength, ambient, ahead })

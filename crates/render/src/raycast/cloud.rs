@@ -7,8 +7,8 @@
 //! texture-based volume renderer"). That takes one look at each sample, and softens shadows a little.
 
 use super::Medium;
-use crate::Camera;
-use isokit_geom::vector::{Vector, dot, length};
+use crate::{Camera, transfer::slope_at};
+use isokit_geom::vector::{Vector, dot, length, unit};
 use isokit_job::{Job, Stopped};
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -16,13 +16,14 @@ use rayon::prelude::*;
 /// Light that particles scatter, alike to all sides or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scatter {
-    /// Where light comes from, in the world; of any length above 0.
+    /// Where light comes from, in the world; of any length above 0. From nowhere comes none.
     pub from: Vector,
     /// How much of it is scattered to the eye where nothing is in its way: 0 or more.
     pub strength: f32,
     /// The share of its colour that a place has without that light.
     pub ambient: f32,
-    /// Whether it is scattered ahead, up to 1, back, down to −1, or to all sides alike, 0 (Henyey & Greenstein 1941).
+    /// Whether it is scattered ahead, up to 0.99, back, down to −0.99, or to all sides alike, 0 (Henyey & Greenstein 1941).
+    /// What reaches the eye is that of the camera's own direction, all over the picture.
     pub ahead: f32,
 }
 
@@ -43,33 +44,38 @@ impl Cloud {
     /// If the job is cancelled or does not allow a number for each sample.
     pub(crate) fn new<T: Sample>(
         medium: &Medium<'_, T>,
-        unit: f64,
+        over: f64,
         (scatter, camera): (Option<Scatter>, &Camera),
         job: &Job,
     ) -> Result<Option<Self>, Stopped> {
         let Some(scatter) = scatter else { return Ok(None) };
-        let Scatter { from, strength, ambient, .. } = scatter.seen_along(camera.forward());
+        let Some(from) = unit(scatter.from) else { return Ok(None) };
+        let Scatter { strength, ambient, .. } =
+            Scatter { from, ..scatter }.seen_along(camera.forward());
         let (view, affine) = (medium.view, medium.view.frame().index_to_world);
-        let dims = view.dims();
+        let (dims, columns) = (view.dims(), affine.covector_columns());
         let all = dims.iter().map(|&n| n as u64).product();
-        let towards = affine.inverse_vector(from.map(|c| c / length(from)));
+        let towards = affine.inverse_vector(from);
         let axis =
             (1..3).fold(0, |most, k| if towards[k].abs() > towards[most].abs() { k } else { most });
         let mut open: Vec<f32> = job.limits.zeroed("light in the volume", Some(all))?;
         // From a sample to where its light comes through the slice before, and how far that is.
         let back = towards.map(|c| c / towards[axis].abs());
-        let far = length(affine.vector(back)) / unit;
+        let far = length(affine.vector(back)) / over;
         let [across, down] = [(axis + 1) % 3, (axis + 2) % 3];
         let (wide, tall) = (dims[across], dims[down]);
         let extinction = |ijk: [usize; 3]| {
+            let place = affine.point(ijk.map(|i| i as f64));
             let value = view.value(ijk);
-            let opacity = f64::from(medium.model.at(value).opacity).min(1.0 - 1e-7);
-            let is_kept = || {
-                let place = affine.point(ijk.map(|i| i as f64));
-                medium.clips.iter().all(|clip| clip.keeps(place))
-            };
-            if !value.is_nan() && opacity > 0.0 && is_kept() { -(-opacity).ln_1p() } else { 0.0 }
+            if value.is_nan() || !medium.clips.iter().all(|clip| clip.keeps(place)) {
+                return 0.0;
+            }
+            let has_slopes = medium.model.has_slopes();
+            let slope = if has_slopes { slope_at(view, &columns, ijk) } else { 0.0 };
+            medium.model.extinction([value, slope], over)
         };
+        // Two numbers of each sample of a slice, and those of the slice before.
+        job.limits.probe("slices of light", Some((wide * tall) as u64), 4 * size_of::<f64>())?;
         let mut before =
             Slice { wide, tall, open: vec![1.0; wide * tall], hides: vec![0.0; wide * tall] };
         let mut number = 0;
@@ -174,7 +180,10 @@ fn mix(a: f32, b: f32, share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::{Cloud, Scatter};
-    use crate::{Camera, ControlPoint, Medium, OpticalModel, Projection, TransferFunction};
+    use crate::{
+        Camera, ControlPoint, Material, Medium, Mixture, OpticalModel, Projection, SlopeFunction,
+        TransferFunction,
+    };
     use isokit_geom::{Affine, Frame};
     use isokit_job::{Job, Threads};
     use isokit_volume::{Grid, Volume};
@@ -192,9 +201,17 @@ mod tests {
     }
 
     fn cloud(from: [f64; 3], threads: usize) -> Cloud {
-        let (volume, model) = (volume(), fog(0.1));
+        cloud_of(&volume(), &fog(0.1), from, threads)
+    }
+
+    fn cloud_of(
+        volume: &Volume<u8>,
+        model: &OpticalModel,
+        from: [f64; 3],
+        threads: usize,
+    ) -> Cloud {
         let view = volume.view();
-        let medium = Medium { view: &view, bricks: None, model: &model, clips: &[] };
+        let medium = Medium { view: &view, bricks: None, model, clips: &[] };
         let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
         let job = Job { threads, ..Job::default() };
         let scatter = Scatter { from, strength: 1.0, ambient: 0.0, ahead: 0.0 };
@@ -223,6 +240,34 @@ mod tests {
     fn light_is_the_same_for_any_number_of_threads() {
         let from = [1.0, 2.0, 0.7];
         assert_eq!(cloud(from, 1).open, cloud(from, 3).open);
+    }
+
+    #[test]
+    fn a_direction_counts_and_not_its_length() {
+        let open = |factor: f64| cloud([1.0, 2.0, 0.7].map(|c| c * factor), 1).open;
+        for factor in [2.0_f64.powi(900), 2.0_f64.powi(-900)] {
+            assert_eq!(open(factor), open(1.0), "{factor}");
+        }
+    }
+
+    #[test]
+    fn what_is_seen_of_slopes_and_surfaces_hides_light_and_nothing_else() {
+        let OpticalModel::Values(white) = fog(0.5) else { unreachable!("fog is of values") };
+        let fading: OpticalModel = SlopeFunction::fading(white, 100.0).unwrap().into();
+        let material =
+            |values, density| Material { values, color: [1.0; 3], opacity: 0.0, density };
+        let materials = vec![material([0.0, 10.0], 0.0), material([200.0, 255.0], 1.0)];
+        let wall: OpticalModel = Mixture::new(materials, 0.75).unwrap().into();
+        // Even, but for a rise of 10 samples, half a unit each, from 0 to 210.
+        let rise = |n: u64| (21 * (n % 41).saturating_sub(20).min(10)) as u8;
+        let grid = *volume().grid();
+        let volume = Volume::new(grid, (0..grid.count()).map(rise).collect()).unwrap();
+        for (model, expected) in [(fading, 0.5_f64.powf(0.42 * 2.5)), (wall, 0.25)] {
+            let cloud = cloud_of(&volume, &model, [-1.0, 0.0, 0.0], 1);
+            assert!((cloud.light([15.0, 10.0, 5.0]) - 1.0).abs() < 1e-6);
+            let found = f64::from(cloud.light([36.0, 10.0, 5.0]));
+            assert!((found / expected - 1.0).abs() < 0.05, "{found} for {expected}");
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub(super) struct March<'a, T> {
     /// What takes a gradient in index space to the direction that it has in the world.
     covectors: [[f32; 3]; 3],
     /// How long a gradient of length 1 is that is found so.
-    rise: f32,
+    rise: f64,
     clips: &'a [HalfSpace],
     lookup: &'a Lookup<'a>,
     /// Where nothing can be seen: as it is, and for leaps.
@@ -86,7 +86,7 @@ impl<'a, T: Sample> March<'a, T> {
         let greatest = columns.as_flattened().iter().fold(0.0, |most: f64, c| most.max(c.abs()));
         let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
         // Differences are over two samples.
-        let rise = (0.5 * greatest * medium.view.scaling().slope().abs()) as f32;
+        let rise = 0.5 * greatest * medium.view.scaling().slope().abs();
         Self { field, between, covectors, rise, clips, lookup, clear, step, light, cloud, opaque }
     }
 
@@ -224,7 +224,7 @@ impl<'a, T: Sample> March<'a, T> {
                 part: found.parts[n] as usize,
                 share: found.shares[n],
                 value: found.values[n],
-                slope: found.slopes[n] * self.rise,
+                slope: f64::from(found.slopes[n]) * self.rise,
             };
             let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
             let mut next = self.lookup.gathered(place, shade);
@@ -287,7 +287,7 @@ impl<'a, T: Sample> March<'a, T> {
             odd &= odd - 1;
             let way = &front.ways[n];
             let gradient = self.field.gradient(way.at(front.steps[n]));
-            found.slopes[n] = length(gradient) as f32 / self.rise;
+            found.slopes[n] = (length(gradient) / self.rise) as f32;
             if let (Some(light), Some([matt, gloss])) = (&self.light, &mut shades) {
                 [matt[n], gloss[n]] = light.answer(gradient, way.towards);
             }

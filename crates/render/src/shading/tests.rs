@@ -2,11 +2,11 @@
 
 use super::{Channel, DIRECTIONS, direction};
 use crate::{
-    Camera, Image, Isosurface, Isosurfaces, Light, Paint, Painted, Projection, RasterOptions, Size,
-    Smoothing, isocast, rasterize,
+    Camera, Cap, Gathered, Image, Isosurface, Isosurfaces, Light, Paint, Painted, Projection,
+    RasterOptions, Size, Smoothing, isocast, rasterize,
 };
 use isokit_geom::{
-    Frame,
+    Frame, HalfSpace,
     vector::{Vector, cross, dot, length},
 };
 use isokit_job::Job;
@@ -175,4 +175,47 @@ fn isosurfaces_have_the_depths_shadows_and_corners_of_what_they_are() {
     let open = of(&ONE.with_light(Some(EVEN)).with_occlusion(1.0));
     let [under, far] = [53, 74].map(|column| open.pixel(column, 38).color[0]);
     assert!(under < far, "{under}, {far}");
+}
+
+#[test]
+fn shadows_fall_alike_whatever_the_unit_of_the_world() {
+    let roof = [[-1.0, -1.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let of = |factor: f64| {
+        let scaled = [FLOOR, roof].map(|square| square.map(|edge| edge.map(|c| c * factor)));
+        let parallel = Projection::Parallel { height: 8.0 * factor };
+        let from = [0.0, 0.0, 20.0 * factor];
+        let above = Camera::new(from, [0.0; 3], [0.0, 1.0, 0.0], parallel).unwrap();
+        let light = ONE.with_light_from(Some([1.0, 0.0, 1.0]), true).with_occlusion(0.5);
+        draw(&squares(&scaled), 1.0, &above, &light)
+    };
+    for factor in [2.0_f64.powi(100), 2.0_f64.powi(-100)] {
+        let (found, plain) = (of(factor), of(1.0));
+        let pairs = found.pixels().iter().zip(plain.pixels());
+        let off: Vec<f32> = pairs.map(|(a, b)| a.differs(*b)).filter(|off| *off > 1e-5).collect();
+        assert!(off.is_empty(), "{factor}: {off:?}");
+    }
+}
+
+#[test]
+fn the_cap_of_what_is_translucent_throws_a_shadow() {
+    let light = ONE.with_light_from(Some([1.0, 0.0, 1.0]), true);
+    let (floor, wide) = (squares(&[FLOOR]), squares(&[[[-9.0, -9.0, 2.0], [18.0; 3], [0.0; 3]]]));
+    // A square cap two above the floor, as in the test of shadows.
+    let look = |place: Vector| {
+        let is_in = place[0].abs() <= 1.0 && place[1].abs() <= 1.0;
+        if is_in { Gathered::new([0.5; 3], 1.0) } else { Gathered::NOTHING }
+    };
+    let half = HalfSpace::new([0.0, 0.0, 1.0], 2.0).unwrap();
+    let paint = Paint::Plain([0.5; 3]);
+    let painted = [
+        Painted { mesh: &floor, paint, opacity: 1.0, clips: &[] },
+        Painted { mesh: &wide, paint, opacity: 0.01, clips: &[] },
+    ];
+    let draw = |caps: &[Cap<'_>]| {
+        let camera = (&above(), size(81));
+        rasterize(&painted, caps, camera, &light, &Job::default()).unwrap().0
+    };
+    let (lit, shadowed) = (draw(&[]), draw(&[Cap { half, look: &look }]));
+    let at = |image: &Image| image.pixel(((-2.0 + 4.0) / 8.0 * 81.0) as u32, 40).color[0];
+    assert!(at(&shadowed) < 0.6 * at(&lit), "{} of {}", at(&shadowed), at(&lit));
 }

@@ -93,14 +93,24 @@ impl Sheets {
         if !(count > 0.0 && count <= crate::raycast::MOST_STEPS) {
             return None;
         }
-        let [right, _, forward] = camera.axes();
+        let [right, up, forward] = camera.axes();
         // The most that a pixel is wide, in samples.
         let pixel = 2.0 * camera.half_height(most) / f64::from(size.height.get());
         let samples = |direction: Vector, far: f64| length(affine.inverse_vector(direction)) * far;
-        let up = camera.axes()[1];
         let wide = samples(right, pixel).max(samples(up, pixel));
         let widening = wide.max(1.0);
-        let pitch = wide.max(samples(forward, step));
+        // To the next sheet one goes along the ray, which leads aside too.
+        let [aside, above] = match camera.projection() {
+            Projection::Parallel { .. } => [0.0; 2],
+            Projection::Perspective { .. } => {
+                let tall = camera.half_height(1.0);
+                let [width, height] = [size.width, size.height].map(|n| f64::from(n.get()));
+                [tall * width / height, tall]
+            }
+        };
+        let through =
+            samples(forward, step) + samples(right, step * aside) + samples(up, step * above);
+        let pitch = wide.max(through);
         let mut sheets = Self {
             camera: *camera,
             size,
@@ -119,16 +129,17 @@ impl Sheets {
         sheets.thickness.is_normal().then_some(sheets)
     }
 
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
     pub(super) fn step(&self) -> f64 {
         self.step
     }
 
     pub(super) fn widening(&self) -> f64 {
         self.widening
+    }
+
+    /// How far from a sample, in samples, it gives something.
+    pub(super) fn reach(&self) -> f64 {
+        (RADIUS + 0.5 * self.thickness) * self.widening
     }
 
     pub(super) fn pitch(&self) -> f64 {

@@ -11,6 +11,7 @@ use crate::{
     transfer::{Lookup, Scale},
 };
 use isokit_geom::vector::{Vector, dot, length};
+use isokit_job::{Job, Stopped};
 use isokit_volume::Sample;
 use std::ops::Range;
 
@@ -33,9 +34,10 @@ pub(super) struct Tiles<'a, T> {
     pub(super) options: &'a RaycastOptions,
 }
 
-/// What was laid on a sheet: by pixels the sum of values, each times its weight, and that of weights.
+/// What was laid on a sheet: by pixels the sum of values, each times its weight, and that of weights. In f64, so that a mean
+/// of values that are all the same f32 is that value: what is even has no gradient, and a step of a function no speckles.
 struct Layer {
-    sums: Box<[[f32; 2]; WIDE * WIDE]>,
+    sums: Box<[[f64; 2]; WIDE * WIDE]>,
     is_empty: bool,
 }
 
@@ -68,9 +70,9 @@ impl Layer {
 
     /// The value at a pixel, if there is enough of it.
     #[inline(always)]
-    fn value(&self, n: usize, least: f32) -> Option<f32> {
+    fn value(&self, n: usize, least: f64) -> Option<f32> {
         let [sum, weight] = self.sums[n];
-        (weight > least).then(|| sum / weight)
+        (weight > least).then(|| (sum / weight) as f32)
     }
 }
 
@@ -94,18 +96,22 @@ impl<T: Sample> Tiles<'_, T> {
         tile: usize,
         blocks: &[Block],
         bin: &[u32],
-    ) -> (Vec<Gathered>, Splatted) {
+        job: &Job,
+    ) -> Result<(Vec<Gathered>, Splatted), Stopped> {
         let (corner, [width, height]) = (self.corner(tile), self.extent(tile));
         let mut pixels: Vec<Pixel> = (0..width * height)
             .map(|n| self.pixel([corner[0] + n % width, corner[1] + n / width]))
             .collect();
+        let deepest = pixels.iter().map(|pixel| pixel.way[1]).fold(0.0, f64::max);
         let mut done = Splatted::default();
         let mut layers = [Layer::new(), Layer::new(), Layer::new()];
         let (mut active, mut coming) = (Vec::<u32>::new(), bin.iter().copied().peekable());
         let last = bin.iter().map(|&n| blocks[n as usize].sheets[1]).max();
         let first = coming.peek().map(|&n| blocks[n as usize].sheets[0]);
         // One more, so that the last is between two.
-        for number in first.into_iter().flat_map(|first| first..=last.unwrap_or(first) + 1) {
+        let last = last.unwrap_or(0);
+        for number in first.into_iter().flat_map(|first| first..=last + 1) {
+            job.check()?;
             let is_due = |n: &u32| blocks[*n as usize].sheets[0] <= number;
             while let Some(n) = coming.next_if(is_due) {
                 active.push(n);
@@ -123,11 +129,12 @@ impl<T: Sample> Tiles<'_, T> {
             let around = [(number + 1) % 3, complete % 3, number % 3].map(|n| &layers[n]);
             let is_open = self.gather(complete, around, width, &mut pixels);
             if !is_open {
-                done.sheets_hidden += (self.sheets.count().saturating_sub(number)) as u64;
+                let left = (number..=last).map(|n| self.sheets.sheet(n).front);
+                done.sheets_hidden += left.filter(|front| *front < deepest).count() as u64;
                 break;
             }
         }
-        (pixels.into_iter().map(|pixel| pixel.gathered).collect(), done)
+        Ok((pixels.into_iter().map(|pixel| pixel.gathered).collect(), done))
     }
 
     fn pixel(&self, place: [usize; 2]) -> Pixel {
@@ -172,7 +179,9 @@ impl<T: Sample> Tiles<'_, T> {
                     continue;
                 }
                 done.splats += 1;
-                let value = scale.value(view.stored([i, j, k]).to_f64() as f32);
+                let value = f64::from(scale.value(view.stored([i, j, k]).to_f64() as f32));
+                // One that is infinite is no number, as to rays.
+                let value = if value.is_finite() { value } else { f64::NAN };
                 let first = (columns.start as f64 - column) as f32;
                 let top = (rows.start as f64 - row) as f32;
                 for (n, row) in layer.sums[rows.start * WIDE..rows.end * WIDE]
@@ -183,7 +192,7 @@ impl<T: Sample> Tiles<'_, T> {
                     let least = across * below * below;
                     let mut from = first + shear * below;
                     for [sum, weight] in &mut row[columns.clone()] {
-                        let part = section.weight(along * from * from + least);
+                        let part = f64::from(section.weight(along * from * from + least));
                         *sum += part * value;
                         *weight += part;
                         from += 1.0;
@@ -205,7 +214,7 @@ impl<T: Sample> Tiles<'_, T> {
         let step = self.sheets.step();
         let widening = self.sheets.widening();
         // Where samples are missing around a place a part of them is enough.
-        let least = (0.01 * self.footprint.sum() * widening.powi(3)) as f32;
+        let least = 0.01 * self.footprint.sum() * widening.powi(3);
         let has_gradients = self.options.light.is_some() || self.lookup.has_slopes();
         let mut is_open = false;
         for (n, pixel) in pixels.iter_mut().enumerate() {
@@ -229,7 +238,7 @@ impl<T: Sample> Tiles<'_, T> {
                 let rises = rises(layers, at, least, place.value);
                 let ahead = sheet.front + 0.5 * step;
                 let (gradient, towards) = self.turned(rises, pixel, ahead);
-                place.slope = length(gradient) as f32;
+                place.slope = length(gradient);
                 shade = self.options.light.map(|light| light.answer(gradient, towards));
             }
             let mut whole = self.lookup.gathered(place, shade);
@@ -267,7 +276,7 @@ fn within(middle: f64, reach: f64) -> Range<usize> {
 /// By how much values rise from pixel to pixel to the right, down, and behind: between those on both sides, or from one
 /// where the other is missing.
 #[inline(always)]
-fn rises(layers: [&Layer; 3], at: usize, least: f32, value: f32) -> [f32; 3] {
+fn rises(layers: [&Layer; 3], at: usize, least: f64, value: f32) -> [f32; 3] {
     let [before, own, after] = layers;
     let pairs = [
         [own.value(at - 1, least), own.value(at + 1, least)],

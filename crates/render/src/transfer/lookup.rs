@@ -68,7 +68,7 @@ pub(crate) struct Place {
     /// Its value: a number.
     pub(crate) value: f32,
     /// How long the gradient is there in the world; of use if the model [has slopes](OpticalModel::has_slopes).
-    pub(crate) slope: f32,
+    pub(crate) slope: f64,
 }
 
 /// What a stored sample means, in f32.
@@ -233,7 +233,7 @@ impl<'a> Lookup<'a> {
         let Place { part, share, value, slope } = place;
         match &self.looks {
             Looks::Slopes(slopes, rows) if !self.is_bent[part] => {
-                let (row, of_next) = between(slopes.rows().map(|row| row.0), slope.into());
+                let (row, of_next) = between(slopes.rows().map(|row| row.0), slope);
                 let of_next = of_next as f32;
                 let low = within(&rows[row], part, share);
                 let high = within(&rows[(row + 1).min(rows.len() - 1)], part, share);
@@ -249,11 +249,11 @@ impl<'a> Lookup<'a> {
                 let [r, g, b, opacity] = within(halves, part, share);
                 let half = Gathered { color: [r, g, b], opacity };
                 let change = f64::from(changes[part]);
-                let of_surface = mixture.surface_opacity(change, slope.into(), self.length);
+                let of_surface = mixture.surface_opacity(change, slope, self.length);
                 let [r, g, b, _] = within(surfaces, part, share);
                 half.over(lit(Gathered::new([r, g, b], of_surface), shade)).over(half)
             }
-            _ => self.exact([value.into(), slope.into()], 1.0, shade),
+            _ => self.exact([value.into(), slope], 1.0, shade),
         }
     }
 

@@ -152,7 +152,8 @@ impl Mixture {
     #[inline]
     pub fn surface_opacity(&self, change: f64, slope: f64, length: f64) -> f32 {
         let over = change * slope * length;
-        if over > 0.0 { crate::opacity_over(self.surface.into(), over) as f32 } else { 0.0 }
+        let hides = over > 0.0 && self.surface > 0.0;
+        if hides { crate::opacity_over(self.surface.into(), over) as f32 } else { 0.0 }
     }
 
     pub(super) fn shows_any(&self, [least, greatest]: [f64; 2]) -> bool {
@@ -236,6 +237,21 @@ mod tests {
             assert!((1.0 - open.product::<f64>() - 0.25).abs() < 1e-4);
         }
         assert!(body.shows_any([-400.0, -400.0]) && !body.shows_any([-900.0, -600.0]));
+    }
+
+    #[test]
+    fn what_hides_is_a_share_however_narrow_a_zone() {
+        let values = [[0.0, 1.0], [1.0_f64.next_up(), 2.0]];
+        let materials = values.map(|values| material(values, 0.5, 0.0, 4e5 * values[1]));
+        for surface in [0.0, 0.5, 1.0] {
+            let thin = Mixture::new(materials.into(), surface).unwrap();
+            let change = thin.change(1.0);
+            for slope in [0.0, 1.0, 1e300, f64::INFINITY] {
+                let found = thin.surface_opacity(change, slope, 1e3);
+                assert!((0.0..=1.0).contains(&found), "{surface}, {slope}: {found}");
+                assert!(surface > 0.0 || found == 0.0);
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What decides how a place looks.
 
-use super::{ControlPoint, Mixture, SlopeFunction, TransferFunction};
+use super::{ControlPoint, Mixture, SlopeFunction, TransferFunction, slopes::extinction};
 
 /// How light is given off and hidden (Max 1995, "Optical models for direct volume rendering").
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,19 @@ impl OpticalModel {
             Self::Values(function) => function.shows_any(range),
             Self::Slopes(slopes) => slopes.rows().any(|(_, function)| function.shows_any(range)),
             Self::Mixture(mixture) => mixture.shows_any(range),
+        }
+    }
+
+    /// What hides light in a reference length `unit` of the world, at a value where values are so steep: it adds up along
+    /// a ray. Finite.
+    pub(crate) fn extinction(&self, [value, slope]: [f64; 2], unit: f64) -> f64 {
+        match self {
+            Self::Values(function) => extinction(function.at(value).opacity),
+            Self::Slopes(slopes) => extinction(slopes.at(value, slope).opacity),
+            Self::Mixture(mixture) => {
+                let of_surface = mixture.surface_opacity(mixture.change(value), slope, unit);
+                extinction(mixture.substance().at(value).opacity) + extinction(of_surface)
+            }
         }
     }
 

@@ -12,7 +12,7 @@ use super::{ControlPoint, TransferFunction};
 ///
 /// # Guarantees
 ///
-/// There is a row or more, and slopes rise from row to row, from 0 or more to less than 10³⁷.
+/// There is a row or more, and slopes are finite and rise from row to row, from 0 or more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeFunction {
     rows: Vec<(f64, TransferFunction)>,
@@ -27,7 +27,7 @@ pub enum SlopeError {
     Empty,
     /// A slope is out of its range, or not above that of the row before.
     #[error(
-        "row {number} of the transfer function has slope {slope}: slopes rise from row to row, from 0 to 1e37"
+        "row {number} of the transfer function has slope {slope}: slopes are finite and rise from row to row, from 0 on"
     )]
     Slope {
         /// Counted from 1.
@@ -53,7 +53,7 @@ impl SlopeFunction {
         }
         let mut before = -1.0;
         for (number, &(slope, _)) in (1..).zip(&rows) {
-            if !(slope > before && (0.0..1e37).contains(&slope)) {
+            if !(slope > before && slope >= 0.0 && slope.is_finite()) {
                 return Err(SlopeError::Slope { number, slope });
             }
             before = slope;
@@ -65,7 +65,7 @@ impl SlopeFunction {
     ///
     /// # Errors
     ///
-    /// If `full` is not above 0.
+    /// If `full` is not above 0, or infinite.
     pub fn fading(function: TransferFunction, full: f64) -> Result<Self, SlopeError> {
         Self::new(vec![(0.0, function.hidden()), (full, function)])
     }
@@ -145,7 +145,7 @@ mod tests {
     fn rows_that_do_not_rise_are_refused_by_number() {
         let row = |slope| (slope, flat(1.0, 0.5));
         assert_eq!(SlopeFunction::new(vec![]).unwrap_err(), SlopeError::Empty);
-        for slopes in [[1.0, 1.0], [1.0, 0.5], [0.0, f64::NAN], [0.0, 1e40]] {
+        for slopes in [[1.0, 1.0], [1.0, 0.5], [0.0, f64::NAN], [0.0, f64::INFINITY]] {
             let found = SlopeFunction::new(slopes.map(row).into()).unwrap_err();
             assert!(matches!(found, SlopeError::Slope { number: 2, .. }), "{found:?}");
         }

@@ -1,15 +1,15 @@
 //! How steep values are.
 
 use crate::TransferFunction;
-use isokit_geom::vector::length;
+use isokit_geom::vector::{Vector, length};
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::exactly;
 use isokit_volume::{Sample, View, gradient};
 use rayon::prelude::*;
 
-/// Slopes with the same sign, exponent and first digits are counted together.
-const SHIFT: u32 = 20;
-const COUNTS: usize = 1 << (31 - SHIFT);
+/// Slopes with the same exponent and first digits are counted together.
+const SHIFT: u32 = 49;
+const COUNTS: usize = 1 << (63 - SHIFT);
 
 /// The slope above which only one in a hundred of the samples is that `function` shows, in values per world unit, but for
 /// an eighth: as steep as the borders of what is seen. 1 where nothing is steep.
@@ -24,10 +24,6 @@ pub fn full_slope<T: Sample>(
 ) -> Result<f64, Cancelled> {
     let columns = view.frame().index_to_world.covector_columns();
     let [nx, ny, nz] = view.dims();
-    let slope = |ijk| {
-        let part = gradient(view, ijk);
-        length([0, 1, 2].map(|k| (0..3).map(|axis| columns[axis][k] * part[axis]).sum::<f64>()))
-    };
     let slice = |k: usize| {
         exactly(|| {
             job.check()?;
@@ -35,7 +31,7 @@ pub fn full_slope<T: Sample>(
             for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
                 let value = view.value([i, j, k]);
                 if function.at(value).opacity > 0.0 {
-                    let slope = (slope([i, j, k]) as f32).min(f32::MAX);
+                    let slope = slope_at(view, &columns, [i, j, k]).min(f64::MAX);
                     counts[(slope.to_bits() >> SHIFT) as usize % COUNTS] += u64::from(slope > 0.0);
                 }
             }
@@ -53,11 +49,21 @@ pub fn full_slope<T: Sample>(
     let mut left = all / 100;
     for (bits, &count) in counts.iter().enumerate().rev() {
         if count > left {
-            return Ok(f32::from_bits((bits as u32) << SHIFT).max(f32::MIN_POSITIVE).into());
+            return Ok(f64::from_bits((bits as u64) << SHIFT).max(f64::MIN_POSITIVE));
         }
         left -= count;
     }
     Ok(1.0)
+}
+
+/// How steep values are at a sample, in values per world unit, where `columns` take a gradient to the world.
+pub(crate) fn slope_at<T: Sample>(
+    view: &View<'_, T>,
+    columns: &[Vector; 3],
+    ijk: [usize; 3],
+) -> f64 {
+    let part = gradient(view, ijk);
+    length([0, 1, 2].map(|k| (0..3).map(|axis| columns[axis][k] * part[axis]).sum::<f64>()))
 }
 
 #[cfg(test)]

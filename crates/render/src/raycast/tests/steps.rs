@@ -1,7 +1,13 @@
 //! Steps of other lengths, and light on the way.
 
-use super::{PLAIN, blobs, cameras, opacities, picture, volume};
-use crate::{Camera, Image, Projection, Scatter};
+use super::{PLAIN, blobs, cameras, medium, opacities, picture, size, through, volume};
+use crate::{
+    Camera, ControlPoint, Image, Material, Mixture, OpticalModel, Projection, RaycastOptions,
+    Scatter, SlopeFunction, TransferFunction, splat,
+};
+use isokit_geom::{Affine, Frame};
+use isokit_job::Job;
+use isokit_volume::{Grid, Volume};
 
 #[test]
 fn rays_that_begin_anywhere_gather_the_same_of_one_substance() {
@@ -69,5 +75,59 @@ fn scattered_light_leaves_what_lies_in_shadow_dark() {
         let [found, whole] = [&lit, &plain].map(|image| f64::from(image.pixel(10, row).color[0]));
         let share = 0.1 + 0.85_f64.powf(2.0 + f64::from(row));
         assert!((found / whole - share).abs() < 0.01, "{row}: {} for {share}", found / whole);
+    }
+}
+
+#[test]
+fn steps_are_halved_no_more_often_than_there_may_be_steps() {
+    let ramp = volume([2; 3], 1.0, |[_, _, z]| z as f32);
+    let model = opacities([0.0, 1.0], |value| 0.5 + 0.3 * value * value);
+    let shown = |options| through(&ramp, &model, &options);
+    // Half of that is too short, and no error is small enough.
+    let options = PLAIN.with_step(8e-6);
+    assert_eq!(shown(options.with_error(Some(0.0))), shown(options));
+    assert!(shown(options)[1] > 0.4);
+}
+
+#[test]
+fn pictures_are_alike_whatever_the_unit_of_the_world() {
+    let hill: Vec<_> = [(0.0, 0.0), (90.0, 0.1), (255.0, 0.5)]
+        .map(|(value, opacity)| ControlPoint { value, color: [0.9, 0.5, 0.2], opacity })
+        .into();
+    let hill = TransferFunction::new(hill).unwrap();
+    let material =
+        |values, opacity, density| Material { values, color: [0.8; 3], opacity, density };
+    let materials = vec![material([0.0, 40.0], 0.0, 0.0), material([160.0, 255.0], 0.1, 1.0)];
+    let of = |factor: f64| {
+        let grid = *blobs().grid();
+        let index_to_world = Affine::axis_aligned([factor; 3], [0.0; 3]).unwrap();
+        let grid = Grid::new(grid.dims(), Frame { index_to_world, ..Frame::default() }).unwrap();
+        let samples = blobs().samples().to_vec();
+        let volume = Volume::new(grid, samples).unwrap();
+        let towards = ([0.3, 1.0, -0.4], [0.0, 0.0, 1.0]);
+        let camera = Camera::framing(grid.bounds(), towards, Some(30.0), 1.0).unwrap();
+        let fading = SlopeFunction::fading(hill.clone(), 30.0 / factor).unwrap();
+        let models = [fading.into(), Mixture::new(materials.clone(), 0.6).unwrap().into()];
+        models.map(|model: OpticalModel| {
+            let light = RaycastOptions::DEFAULT.with_scatter(Some(Scatter {
+                from: [1.0, 0.0, 1.0],
+                strength: 0.5,
+                ambient: 0.5,
+                ahead: 0.2,
+            }));
+            let view = volume.view();
+            let (medium, job) = (medium(&view, &model), Job::default());
+            let splats = splat(&medium, (&camera, size(40)), &light, &job).unwrap().0;
+            [picture(&volume, &model, (&camera, 40), &light).0, splats]
+        })
+    };
+    let plain = of(1.0);
+    assert!(plain.as_flattened().iter().all(|i| i.pixels().iter().any(|p| p.opacity > 0.3)));
+    for factor in [2.0_f64.powi(200), 2.0_f64.powi(-200)] {
+        for (found, plain) in of(factor).as_flattened().iter().zip(plain.as_flattened()) {
+            let pairs = found.pixels().iter().zip(plain.pixels());
+            let most = pairs.map(|(a, b)| a.differs(*b)).fold(0.0, f32::max);
+            assert!(most < 1e-5, "{factor}: {most}");
+        }
     }
 }

@@ -16,7 +16,7 @@ fn function(points: &[(f64, f32, f32)]) -> TransferFunction {
 
 fn look(lookup: &Lookup<'_>, value: f32, slope: f32) -> Gathered {
     let (part, share) = lookup.part(value);
-    lookup.gathered(super::Place { part, share, value, slope }, None)
+    lookup.gathered(super::Place { part, share, value, slope: slope.into() }, None)
 }
 
 /// By how much the parts of two colours differ at most.

@@ -1,0 +1,73 @@
+//! What is looked at.
+
+use super::{LookPlan, Subject};
+use crate::{
+    args::{RenderArgs, SampleType},
+    fault::UsageError,
+    plan::target::mesh_format,
+    scene_file::{ModeWord, SceneFile, VolumeTable},
+};
+use isokit::io::{RawLayout, VolumeOptions};
+use std::path::Path;
+
+/// What is looked at: what the scene names, or what was typed.
+pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject, UsageError> {
+    let Some(file) = file else {
+        let options = args.volume.options();
+        let VolumeOptions { volume_index, raw, spacing, origin, .. } = &options;
+        let describes =
+            volume_index.is_some() || raw.is_some() || spacing.is_some() || origin.is_some();
+        return match mesh_format(&args.input) {
+            Some(_) if describes => {
+                let says = "a mesh has no samples: leave out what describes those of a volume";
+                Err(UsageError(says.into()))
+            }
+            Some(_) => Ok(Subject::Mesh(args.input.clone())),
+            None => Ok(Subject::Volume(args.input.clone(), options)),
+        };
+    };
+    let Some(volume) = &file.volume else {
+        let says = "the scene names no volume: [volume] with path = \"…\" does";
+        return Err(UsageError(format!("{}: {says}", args.input.display())));
+    };
+    let folder = args.input.parent().unwrap_or(Path::new(""));
+    Ok(Subject::Volume(folder.join(&volume.path), described(volume, args.volume.options())?))
+}
+
+/// What was typed of a volume, or else what the scene says.
+fn described(table: &VolumeTable, typed: VolumeOptions) -> Result<VolumeOptions, UsageError> {
+    let raw = match (table.dims, table.dtype) {
+        (Some(dims), Some(SampleType { dtype, endian })) => {
+            Some(RawLayout { dims, dtype, endian, skip: table.skip.unwrap_or(0) })
+        }
+        (None, None) if table.skip.is_none() => None,
+        _ => {
+            let says = "[volume]: expected dims and dtype together, and skip with them or not";
+            return Err(UsageError(says.into()));
+        }
+    };
+    let mut options = typed;
+    options.raw = options.raw.or(raw);
+    options.spacing = options.spacing.or(table.spacing);
+    options.origin = options.origin.or(table.origin);
+    options.volume_index = options.volume_index.or(table.index);
+    Ok(options)
+}
+
+pub(super) fn check(
+    subject: &Subject,
+    mode: ModeWord,
+    surfaces: &[LookPlan],
+) -> Result<(), UsageError> {
+    let says = match (subject, mode) {
+        (Subject::Mesh(_), ModeWord::Raycast | ModeWord::IsoRaycast | ModeWord::Splat) => {
+            "a mesh has no values for rays to go through: leave out --mode"
+        }
+        (Subject::Mesh(_), _) if !surfaces.is_empty() => "a mesh has no values: leave out --iso",
+        (Subject::Volume(..), ModeWord::Surfaces | ModeWord::IsoRaycast) if surfaces.is_empty() => {
+            "no surface is named: give --iso, or [[surface]] in the scene"
+        }
+        _ => return Ok(()),
+    };
+    Err(UsageError(says.into()))
+}
