@@ -148,7 +148,7 @@ fn a_scene_describes_a_volume_as_the_command_line_does() {
     let folder = Folder::with_ball();
     folder.done("convert ball.nii -o ball.raw");
     let report = folder.done("info ball.nii --json");
-    let report: serde_json::Value = serde_json::from_str(&report.text()).unwrap();
+    let report: serde_json::Value = serde_json::from_str(report.text()).unwrap();
     let dims = report["dims"].to_string();
     let scene = |says: &str| {
         let volume = format!("[volume]\npath = \"ball.raw\"\n{says}\n");

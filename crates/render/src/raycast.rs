@@ -49,8 +49,8 @@ pub struct Medium<'a, T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RaycastOptions {
-    /// The length of a step, or from sheet to sheet, in units of the smallest spacing. Changes the picture: it is off by O(step²) where the
-    /// transfer function is smooth. Default: 0.5.
+    /// The length of a step, or from sheet to sheet, in units of the smallest spacing. Changes the picture: it is off by
+    /// O(step²) where the transfer function is smooth. Default: 0.5.
     pub step: f64,
     /// The length, in world units, over which the opacities of the transfer function are gathered. Changes the
     /// picture. Default: `None`, the smallest spacing.
@@ -58,16 +58,17 @@ pub struct RaycastOptions {
     /// How gradients are lit; `None` leaves colours as they are. Changes the picture. Default:
     /// [`Light::DEFAULT`].
     pub light: Option<Light>,
-    /// With so much opacity nothing behind is looked at. Changes the picture, by no more than what is left to 1 in each part of
-    /// a colour (times the strength of light that is scattered, where that is more). Default: 1 − 2⁻¹³, of which 8 bits show nothing, in the dark either.
+    /// With so much opacity nothing behind is looked at. Changes the picture, by no more than what is left to 1 in each
+    /// part of a colour (times the strength of light that is scattered, where that is more). Default: 1 − 2⁻¹³, of which
+    /// 8 bits show nothing, in the dark either.
     pub opaque: f32,
     /// Whether rays begin with a part of a step, of another length in each pixel: rings that steps leave on smooth things
     /// become a grain. Changes the picture. For rays alone. Default: false.
     pub jitter: bool,
     /// By how much a colour or an opacity may differ from that with steps twice as long: a pixel in which it differs by
-    /// more is cast again with shorter ones, up to 64 times, as long as there are no more than the most of them. Where steps are short enough that the error is of order 2,
-    /// what is left of it is about a third of that. Changes the picture. For rays alone. Default: `None`, all steps are of
-    /// one length.
+    /// more is cast again with shorter ones, down to a 64th, as long as the three edges of the volume have no more than a
+    /// million of them. Where steps are short enough that the error is of order 2, what is left of it is about a third of
+    /// that. Changes the picture. For rays alone. Default: `None`, all steps are of one length.
     pub error: Option<f32>,
     /// Light that particles scatter. Changes the picture. Default: `None`.
     pub scatter: Option<Scatter>,
