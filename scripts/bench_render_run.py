@@ -2,7 +2,8 @@
 """Measures pictures of isokit and VTK, and what it is worth to skip what cannot be seen.
 
 Times are of a picture in memory from samples or surfaces in memory, medians of rounds in which
-the contenders take turns; what is found out once for many pictures (bricks, meshes) is apart.
+the contenders take turns; what is found out once for pictures from all sides (blocks in which
+something can be seen, meshes; what VTK keeps of a volume) is apart.
 Errors of ray casting are root mean squares of colours from 0 to 1 against a picture of the same
 program with steps of a sixteenth, before black, rounded to 8 bits as VTK's are. VTK's ray caster is
 vtkFixedPointVolumeRayCastMapper; its surfaces are drawn by OpenGL on the processor, with depth

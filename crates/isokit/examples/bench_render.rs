@@ -10,8 +10,8 @@ use isokit::{
     pipeline::Scan,
     render::{
         Camera, ControlPoint, Gathered, Image, Isosurface, Isosurfaces, Light, Medium, Paint,
-        Painted, Projection, RasterOptions, RaycastOptions, Size, Smoothing, TransferFunction,
-        isocast, rasterize, raycast,
+        Painted, Projection, RasterOptions, RaycastOptions, Raycaster, Size, Smoothing,
+        TransferFunction, isocast, rasterize,
     },
     scene::Scene,
     volume::{Bricks, Dtype, Grid, Sample, Volume, for_any, for_dtype},
@@ -145,11 +145,12 @@ fn casting<T: Sample>(volume: &Volume<T>, view: &View, cast: &Casting) -> Result
     let seen = volume.view();
     let start = Instant::now();
     let bricks = cast.leap.then(|| Bricks::of(&seen, &job)).transpose()?;
-    let before = start.elapsed().as_secs_f64();
     let medium = Medium { view: &seen, bricks: bricks.as_ref(), model: &model, clips: &clips };
+    let caster = Raycaster::new(&medium, &options, &job)?;
+    let before = start.elapsed().as_secs_f64();
     let (camera, size) = (view.camera()?, view.size()?);
     let start = Instant::now();
-    let (image, done) = raycast(&medium, (&camera, size), &options, &job)?;
+    let (image, done) = caster.picture((&camera, size), &job)?;
     let seconds = start.elapsed().as_secs_f64();
     view.write(&image)?;
     Ok(Answer { seconds, before, work: done.steps, error: None })

@@ -34,9 +34,15 @@ pub struct Table<'a> {
     pub base: f32,
     /// Parts per value.
     pub scale: f32,
-    /// Of each part whether something in it can be seen. What is beyond all parts is as in the nearest.
-    pub seen: &'a [bool],
+    /// Of each part [`SEEN`], or that and [`BENT`], or 0. What is beyond all parts is as in the nearest.
+    pub marks: &'a [u8],
 }
+
+/// The mark of a part in which something can be seen.
+pub const SEEN: u8 = 1;
+
+/// The mark of a part in which what is seen does not change linearly.
+pub const BENT: u8 = 2;
 
 /// How gradients face lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,6 +68,8 @@ pub struct Found {
     pub slopes: [f32; LINES],
     /// The bits of those where something can be seen: that are not NaN, and in such a part.
     pub seen: u16,
+    /// The bits of those of them that are in a part with the mark [`BENT`].
+    pub bent: u16,
     /// The bits of those of which no cosine was found: at the border, or where the gradient is NaN, or too large or
     /// small to square.
     pub odd: u16,
@@ -113,9 +121,9 @@ impl<'a, T: Lane> Between<'a, T> {
         found: &mut Found,
     ) {
         assert!(
-            (1..1 << 24).contains(&table.seen.len()),
+            (1..1 << 24).contains(&table.marks.len()),
             "a table with {} parts",
-            table.seen.len()
+            table.marks.len()
         );
         run_at(level, Look { between: *self, lines, steps, wanted, table, facing, found });
     }
@@ -340,18 +348,19 @@ impl Found {
         let value = stored * wide.f32(table.slope) + wide.f32(table.intercept);
         let place = (value - wide.f32(table.base)) * wide.f32(table.scale);
         // What is NaN is in the first part.
-        let last = table.seen.len() - 1;
-        let place = place.max(zero).min(wide.f32(table.seen.len() as f32));
+        let last = table.marks.len() - 1;
+        let place = place.max(zero).min(wide.f32(table.marks.len() as f32));
         let part = wide.truncate_f32(place.min(wide.f32(last as f32)));
         wide.store_f32(value, &mut self.values);
         wide.store_f32(place - wide.u32_to_f32(part), &mut self.shares);
         self.parts = wide.store(part);
-        let is_number = value.less(one) | zero.less(value);
-        let mut seen = 0;
-        for n in 0..BATCH {
-            seen |= u16::from(table.seen[(self.parts[n] as usize).min(last)]) << n;
+        let is_number = (value.less(one) | zero.less(value)).bits();
+        let mut marks = [0; BATCH];
+        for (mark, &part) in marks.iter_mut().zip(&self.parts) {
+            *mark = table.marks[(part as usize).min(last)];
         }
-        self.seen = seen & is_number.bits() & wanted;
+        self.seen = bits(marks, SEEN) & is_number & wanted;
+        self.bent = bits(marks, BENT) & self.seen;
     }
 
     /// The cosines of gradients and how long they are; the bits of those that are found.
@@ -372,6 +381,18 @@ impl Found {
         let is_tame = square.less(wide.f32(TAME.end)) & !square.less(wide.f32(TAME.start));
         is_tame.bits()
     }
+}
+
+/// The bits of those that have a mark.
+#[inline(always)]
+fn bits(marks: [u8; BATCH], mark: u8) -> u16 {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    // Moves the lowest bits of eight bytes to the highest byte, where none is added to another.
+    const GATHER: u64 = 0x0102_0408_1020_4080;
+    let all = u128::from_le_bytes(marks) >> mark.trailing_zeros();
+    let low = (all as u64 & ONES).wrapping_mul(GATHER) >> 56;
+    let high = ((all >> 64) as u64 & ONES).wrapping_mul(GATHER) >> 56;
+    (low | high << 8) as u16
 }
 
 #[cfg(test)]

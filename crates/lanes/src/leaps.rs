@@ -15,6 +15,19 @@ pub struct Blocks<'a> {
     reach: &'a [u8],
 }
 
+/// How far lines have come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OnTheWay {
+    /// Where each is: so many steps and a half, to the middle of the next step.
+    pub steps: [f64; BATCH],
+    /// How many steps each has: it is led past them by no more than a half.
+    pub until: [f64; BATCH],
+    /// How many steps a cell is long on each, along x, y, z; without end, upwards, where it does not move.
+    pub pace: [[f64; BATCH]; 3],
+    /// Up to here something may be found on each, as is known: 0 where a line begins.
+    pub seen: [f64; BATCH],
+}
+
 /// Added to a number and subtracted, leaves the nearest whole one.
 const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
 
@@ -32,38 +45,19 @@ impl<'a> Blocks<'a> {
         is_right.then_some(Self { counts, cells: cells.into(), reach })
     }
 
-    /// Leads the lines whose bits in `wanted` are set, which are so many steps and a half on their way, each over the
-    /// blocks around it in which there is nothing, to a step and a half of which something may be found; past `until`
-    /// steps by no more than that half. A line may be led in several leaps, of which this is one: the bits of those that
-    /// have arrived where there may be something.
+    /// Leads the lines whose bits in `live` are set over blocks in which there is nothing, to a step of which something
+    /// may be found. The bits of those that are at such a step, before the last one.
     ///
-    /// `pace` is how many steps a cell is long on each line, along each axis; without end, upwards, where it does not
-    /// move.
+    /// With [`ENOUGH`] of them there the others wait, somewhere on their way over nothing.
     #[inline]
-    pub fn leap(
-        &self,
-        lines: &Lines,
-        pace: &[[f64; BATCH]; 3],
-        until: &[f64; BATCH],
-        wanted: u16,
-        steps: &mut [f64; BATCH],
-    ) -> u16 {
-        self.leap_at(Level::current(), lines, pace, until, wanted, steps)
+    pub fn lead(&self, lines: &Lines, live: u16, on: &mut OnTheWay) -> u16 {
+        self.lead_at(Level::current(), lines, live, on)
     }
 
-    fn leap_at(
-        &self,
-        level: Level,
-        lines: &Lines,
-        pace: &[[f64; BATCH]; 3],
-        until: &[f64; BATCH],
-        wanted: u16,
-        steps: &mut [f64; BATCH],
-    ) -> u16 {
-        let mut arrived = 0;
-        let blocks = *self;
-        run_at(level, Leap { blocks, lines, pace, until, wanted, steps, arrived: &mut arrived });
-        arrived
+    fn lead_at(&self, level: Level, lines: &Lines, live: u16, on: &mut OnTheWay) -> u16 {
+        let mut ready = 0;
+        run_at(level, Lead { blocks: *self, lines, live, on, ready: &mut ready });
+        ready
     }
 
     /// How far around each block there is nothing.
@@ -77,55 +71,113 @@ impl<'a> Blocks<'a> {
     }
 }
 
-struct Leap<'b> {
-    blocks: Blocks<'b>,
-    lines: &'b Lines,
-    pace: &'b [[f64; BATCH]; 3],
-    until: &'b [f64; BATCH],
-    wanted: u16,
-    steps: &'b mut [f64; BATCH],
-    arrived: &'b mut u16,
+/// Of so many lines that have arrived more is to be gained than of the last ones.
+pub const ENOUGH: u32 = 12;
+
+impl OnTheWay {
+    /// One step further on the lines whose bits in `wanted` are set; the bits of those lines, of all, that have no whole
+    /// step left then.
+    #[inline]
+    pub fn advance(&mut self, wanted: u16) -> u16 {
+        self.advance_at(Level::current(), wanted)
+    }
+
+    fn advance_at(&mut self, level: Level, wanted: u16) -> u16 {
+        let mut past = 0;
+        run_at(level, Advance { wanted, on: self, past: &mut past });
+        past
+    }
 }
 
-impl Task for Leap<'_> {
+struct Advance<'a> {
+    wanted: u16,
+    on: &'a mut OnTheWay,
+    past: &'a mut u16,
+}
+
+impl Task for Advance<'_> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let Self { blocks, lines, pace, until, wanted, steps, arrived } = self;
+        let own = wide.load_f64(&self.on.steps);
+        let next = wide.select_f64(wide.mask(self.wanted), own + wide.f64(1.0), own);
+        wide.store_f64(next, &mut self.on.steps);
+        *self.past = wide.load_f64(&self.on.until).less(next).bits();
+    }
+}
+
+struct Lead<'b> {
+    blocks: Blocks<'b>,
+    lines: &'b Lines,
+    live: u16,
+    on: &'b mut OnTheWay,
+    ready: &'b mut u16,
+}
+
+impl Task for Lead<'_> {
+    #[inline(always)]
+    fn run<W: Wide>(self, wide: W) {
+        let Self { blocks, lines, live, on, ready } = self;
+        let until = wide.load_f64(&on.until);
+        let (mut own, mut seen) = (wide.load_f64(&on.steps), wide.load_f64(&on.seen));
+        loop {
+            let going = live & own.less(until).bits();
+            *ready = going & own.less(seen).bits();
+            let others = going & !*ready;
+            if others == 0 || ready.count_ones() >= ENOUGH {
+                break;
+            }
+            let (next, is_clear) = blocks.next(wide, (lines, &on.pace), until, own);
+            let are_others = wide.mask(others);
+            own = wide.select_f64(is_clear & are_others, next, own);
+            seen = wide.select_f64(!is_clear & are_others, next, seen);
+        }
+        wide.store_f64(own, &mut on.steps);
+        wide.store_f64(seen, &mut on.seen);
+    }
+}
+
+impl Blocks<'_> {
+    /// The first step of each line beyond its block, or if there is nothing to be found in that, beyond those around it
+    /// in which there is nothing either; and whether there is nothing in its own.
+    #[inline(always)]
+    fn next<W: Wide>(
+        &self,
+        wide: W,
+        (lines, pace): (&Lines, &[[f64; BATCH]; 3]),
+        until: W::F64,
+        own: W::F64,
+    ) -> (W::F64, W::Mask) {
         let (zero, half, one) = (wide.f64(0.0), wide.f64(0.5), wide.f64(1.0));
-        let own = wide.load_f64(steps);
         let mut number = wide.u32(0);
         let mut block = [zero; 3];
         for axis in [2, 1, 0] {
             let place = wide.load_f64(&lines.start[axis]) + own * wide.load_f64(&lines.step[axis]);
-            let place = (place * wide.f64(1.0 / blocks.cells)).max(zero);
-            let along = wide.truncate(place.min(wide.f64(f64::from(blocks.counts[axis] - 1))));
+            let place = (place * wide.f64(1.0 / self.cells)).max(zero);
+            let along = wide.truncate(place.min(wide.f64(f64::from(self.counts[axis] - 1))));
             block[axis] = wide.u32_to_f64(along);
-            number = number * wide.u32(blocks.counts[axis]) + along;
+            number = number * wide.u32(self.counts[axis]) + along;
         }
-        let reach = wide.load(&blocks.reaches(wide.store(number)));
-        let more = wide.u32_to_f64(reach) - one;
+        let reach = wide.load(&self.reaches(wide.store(number)));
+        let more = (wide.u32_to_f64(reach) - one).max(zero);
         let is_clear = wide.less(wide.u32(0), reach);
-        let mut far = wide.load_f64(until);
+        let mut far = until;
         for axis in 0..3 {
             let pace = wide.load_f64(&pace[axis]);
             let side = wide.select_f64(zero.less(pace), one + more, zero - more);
-            let end = (block[axis] + side) * wide.f64(blocks.cells);
+            let end = (block[axis] + side) * wide.f64(self.cells);
             // One that is NaN is no end: the line lies in a face of the blocks.
             far = ((end - wide.load_f64(&lines.start[axis])) * pace).min(far);
         }
         // The first step whose middle is beyond: the nearest whole number. Where rounding could change it, the one before.
         let whole = wide.f64(WHOLE);
         let next = (far - wide.f64(UNSURE)) + whole - whole + half;
-        let is_wanted = wide.mask(wanted);
-        let led = next.max(own + one);
-        wide.store_f64(wide.select_f64(is_clear & is_wanted, led, own), steps);
-        *arrived = wanted & !is_clear.bits();
+        (next.max(own + one), is_clear)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{BATCH, Blocks};
+    use super::{BATCH, Blocks, ENOUGH, OnTheWay};
     use crate::{Level, Lines, vertices::tests::Chance};
 
     #[test]
@@ -155,38 +207,65 @@ mod tests {
                 }
                 let until = [(); BATCH].map(|()| f64::from(chance.below(40)));
                 let begin = [(); BATCH].map(|()| f64::from(chance.below(20)) + 0.5);
-                let wanted = chance.next() as u16;
-                let leap = |level| {
-                    let mut steps = begin;
-                    (blocks.leap_at(level, &lines, &pace, &until, wanted, &mut steps), steps)
+                let live = chance.next() as u16;
+                let on = OnTheWay { steps: begin, until, pace, seen: [0.0; BATCH] };
+                let lead = |level| {
+                    let mut on = on;
+                    (blocks.lead_at(level, &lines, live, &mut on), on)
                 };
-                let (arrived, steps) = leap(Level::Portable);
+                let (ready, led) = lead(Level::Portable);
                 for &level in Level::available() {
-                    assert_eq!(leap(level), (arrived, steps), "{level}");
+                    assert_eq!(lead(level), (ready, led), "{level}");
                 }
                 for n in 0..BATCH {
-                    let block = |steps: f64| {
-                        [0, 1, 2].map(|k| {
-                            let place = lines.start[k][n] + steps * lines.step[k][n];
-                            ((place.max(0.0) / 4.0) as usize).min(counts[k] - 1)
-                        })
-                    };
-                    let is_clear = !seen[at(block(begin[n]))];
-                    assert_eq!(arrived >> n & 1 == 1, wanted >> n & 1 == 1 && !is_clear);
-                    if wanted >> n & 1 == 0 || !is_clear {
-                        assert_eq!(steps[n], begin[n]);
+                    if live >> n & 1 == 0 || begin[n] >= until[n] {
+                        assert_eq!((ready >> n & 1, led.steps[n]), (0, begin[n]));
                         continue;
                     }
-                    assert!(steps[n] >= begin[n] + 1.0 && steps[n].fract() == 0.5);
-                    assert!(steps[n] <= until[n].max(begin[n] + 1.0) + 0.5);
-                    let mut between = begin[n] + 1.0;
-                    while between < steps[n] {
-                        // On a face it is in a block beside it, too.
-                        let exact = |k: usize| lines.start[k][n] + between * lines.step[k][n];
-                        let is_on_face = (0..3).any(|k| exact(k) % 4.0 == 0.0);
-                        assert!(is_on_face || !seen[at(block(between))], "{between}");
+                    let exact = |k: usize, steps: f64| lines.start[k][n] + steps * lines.step[k][n];
+                    let block = |steps: f64| {
+                        [0, 1, 2]
+                            .map(|k| ((exact(k, steps).max(0.0) / 4.0) as usize).min(counts[k] - 1))
+                    };
+                    // On a face it is in a block beside it, too.
+                    let is_on_face = |steps: f64| (0..3).any(|k| exact(k, steps) % 4.0 == 0.0);
+                    let steps = led.steps[n];
+                    if ready >> n & 1 == 1 {
+                        assert!(seen[at(block(steps))] && steps < until[n]);
+                        assert!(led.seen[n] > steps);
+                        // Up to the end of its block; rounding may take one step more.
+                        let mut later = steps;
+                        while later + 1.0 < led.seen[n] {
+                            assert!(is_on_face(later) || block(later) == block(steps), "{later}");
+                            later += 1.0;
+                        }
+                    } else {
+                        assert!(steps >= until[n] || ready.count_ones() >= ENOUGH);
+                    }
+                    assert!(steps >= begin[n] && steps <= until[n] + 0.5 && steps.fract() == 0.5);
+                    let mut between = begin[n];
+                    while between < steps {
+                        assert!(is_on_face(between) || !seen[at(block(between))], "{between}");
                         between += 1.0;
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lines_advance_by_a_step_at_every_level() {
+        let mut chance = Chance(9);
+        for _ in 0..50 {
+            let steps = [(); BATCH].map(|()| f64::from(chance.below(8)) + 0.5);
+            let until = [(); BATCH].map(|()| f64::from(chance.below(8)));
+            let wanted = chance.next() as u16;
+            for &level in Level::available() {
+                let mut on = OnTheWay { steps, until, ..OnTheWay::default() };
+                let past = on.advance_at(level, wanted);
+                for n in 0..BATCH {
+                    assert_eq!(on.steps[n], steps[n] + f64::from(wanted >> n & 1), "{level}");
+                    assert_eq!(past >> n & 1 == 1, on.steps[n] > until[n], "{level}");
                 }
             }
         }

@@ -196,6 +196,23 @@ pub trait Wide: Copy {
         }
     }
 
+    /// Sixteen rows, turned: all first numbers of them, all second ones, and so on.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such row.
+    #[inline(always)]
+    fn rows(self, rows: &[[f32; 4]], at: &[u32; BATCH]) -> [Self::F32; 4] {
+        let mut columns = [[0.0; BATCH]; 4];
+        for (n, &at) in at.iter().enumerate() {
+            for (column, number) in columns.iter_mut().zip(row(rows, at)) {
+                column[n] = *number;
+            }
+        }
+        let [a, b, c, d] = &columns;
+        [self.load_f32(a), self.load_f32(b), self.load_f32(c), self.load_f32(d)]
+    }
+
     /// Three numbers per vertex, from one register per axis.
     fn interleave(self, axes: [Self::F32; 3], out: &mut [[f32; 3]; BATCH]);
 
@@ -210,6 +227,21 @@ pub trait Wide: Copy {
             *place = [lists[0][n], lists[1][n], lists[2][n]];
         }
     }
+}
+
+/// A row of four.
+#[inline(always)]
+fn row(rows: &[[f32; 4]], at: u32) -> &[f32; 4] {
+    match rows.get(at as usize) {
+        Some(row) => row,
+        None => no_row(rows.len(), at),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn no_row(count: usize, at: u32) -> ! {
+    panic!("row {at} is out of range: there are {count}")
 }
 
 /// [`Wide::along_x`] for samples that lie in any order.

@@ -16,6 +16,7 @@
 
 mod cloud;
 mod march;
+mod way;
 
 use crate::{
     Camera, Gathered, Image, Light, OpticalModel, Size, clear::Clear, gather::OPAQUE,
@@ -26,6 +27,7 @@ use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use isokit_volume::{Bricks, Sample, View};
 use march::March;
+use way::Ways;
 
 pub(crate) use cloud::Cloud;
 pub use cloud::Scatter;
@@ -192,55 +194,102 @@ pub(crate) const MOST_STEPS: f64 = 1e6;
 ///
 /// # Errors
 ///
-/// If a length is not above 0, is infinite, or so short that the three edges of the volume together have more than a
-/// million; if the job is cancelled or does not allow the picture's memory.
+/// As [`Raycaster::new`] and [`Raycaster::picture`].
 pub fn raycast<T: Sample>(
     medium: &Medium<'_, T>,
-    (camera, size): (&Camera, Size),
+    camera: (&Camera, Size),
     options: &RaycastOptions,
     job: &Job,
 ) -> Result<(Image, Cast), RaycastError> {
-    let (step, unit) = lengths(medium.view, options)?;
-    let cloud = exactly(|| Cloud::new(medium, unit, (options.scatter, camera), job))?;
-    let mut image = Image::new(size, &job.limits).map_err(Stopped::from)?;
-    let all = Rays { medium, camera, options, unit, cloud: cloud.as_ref() };
-    let mut done = all.cast(step, None, &mut image, job)?;
-    let Some(error) = options.error else { return Ok((image, done)) };
-    // Each time of those pixels that differed, with steps half as long.
-    let mut wanted: Vec<bool> =
-        job.limits.vec("pixels to be cast again", Some(size.pixels())).map_err(Stopped::from)?;
-    wanted.resize(image.pixels().len(), true);
-    let across = across(medium.view);
-    let steps = (1..=MOST_HALVINGS).map(|halving| step / f64::from(1 << halving));
-    for step in steps.take_while(|step| across / step <= MOST_STEPS) {
-        let mut finer = Image::new(size, &job.limits).map_err(Stopped::from)?;
-        finer.pixels_mut().copy_from_slice(image.pixels());
-        let cast = all.cast(step, Some(&wanted), &mut finer, job)?;
-        done = done.with(cast);
-        let pairs = image.pixels().iter().zip(finer.pixels());
-        let mut left = 0;
-        for (wanted, (coarse, fine)) in wanted.iter_mut().zip(pairs) {
-            done.pixels_refined += u64::from(*wanted);
-            *wanted &= coarse.differs(*fine) > error;
-            left += u64::from(*wanted);
-        }
-        image = finer;
-        if left == 0 {
-            break;
-        }
+    Ok(Raycaster::new(medium, options, job)?.picture(camera, job)?)
+}
+
+/// A volume made ready for pictures of it from any place: where something can be seen in it, and what its values look
+/// like.
+#[derive(Debug)]
+pub struct Raycaster<'a, T> {
+    medium: Medium<'a, T>,
+    options: RaycastOptions,
+    /// The length of a step, and that over which opacities are gathered, in world units.
+    step: f64,
+    unit: f64,
+    lookup: Lookup<'a>,
+    clear: Option<Clear>,
+}
+
+impl<'a, T: Sample> Raycaster<'a, T> {
+    /// Finds out where something can be seen, if there are bricks.
+    ///
+    /// # Errors
+    ///
+    /// If a length is not above 0, is infinite, or so short that the three edges of the volume together have more than a
+    /// million; if the job is cancelled, or does not allow a byte for each block of 4³ cells.
+    pub fn new(
+        medium: &Medium<'a, T>,
+        options: &RaycastOptions,
+        job: &Job,
+    ) -> Result<Self, RaycastError> {
+        let (view, (step, unit)) = (medium.view, lengths(medium.view, options)?);
+        exactly(|| {
+            let lookup = Lookup::new(medium.model, step / unit, step);
+            let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
+            let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
+            Ok(Self { medium: *medium, options: *options, step, unit, lookup, clear })
+        })
     }
-    Ok((image, done))
+
+    /// The picture from one place.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled or does not allow the picture's memory.
+    pub fn picture(
+        &self,
+        (camera, size): (&Camera, Size),
+        job: &Job,
+    ) -> Result<(Image, Cast), Stopped> {
+        let Self { medium, options, step, unit, .. } = self;
+        let cloud = exactly(|| Cloud::new(medium, *unit, (options.scatter, camera), job))?;
+        let mut image = Image::new(size, &job.limits).map_err(Stopped::from)?;
+        let rays = Rays { caster: self, camera, cloud: cloud.as_ref() };
+        let mut done = rays.cast((*step, &self.lookup), None, &mut image, job)?;
+        let Some(error) = options.error else { return Ok((image, done)) };
+        // Each time of those pixels that differed, with steps half as long.
+        let mut wanted: Vec<bool> = job
+            .limits
+            .vec("pixels to be cast again", Some(size.pixels()))
+            .map_err(Stopped::from)?;
+        wanted.resize(image.pixels().len(), true);
+        let across = across(medium.view);
+        let steps = (1..=MOST_HALVINGS).map(|halving| step / f64::from(1 << halving));
+        for step in steps.take_while(|step| across / step <= MOST_STEPS) {
+            let lookup = exactly(|| Lookup::new(medium.model, step / unit, step));
+            let mut finer = Image::new(size, &job.limits).map_err(Stopped::from)?;
+            finer.pixels_mut().copy_from_slice(image.pixels());
+            done = done.with(rays.cast((step, &lookup), Some(&wanted), &mut finer, job)?);
+            let pairs = image.pixels().iter().zip(finer.pixels());
+            let mut left = 0;
+            for (wanted, (coarse, fine)) in wanted.iter_mut().zip(pairs) {
+                done.pixels_refined += u64::from(*wanted);
+                *wanted &= coarse.differs(*fine) > error;
+                left += u64::from(*wanted);
+            }
+            image = finer;
+            if left == 0 {
+                break;
+            }
+        }
+        Ok((image, done))
+    }
 }
 
 /// Steps are halved no more often.
 const MOST_HALVINGS: u32 = 6;
 
-/// All that rays have in common, whatever the length of their steps.
+/// All that the rays of a picture have in common, whatever the length of their steps.
 struct Rays<'a, T> {
-    medium: &'a Medium<'a, T>,
+    caster: &'a Raycaster<'a, T>,
     camera: &'a Camera,
-    options: &'a RaycastOptions,
-    unit: f64,
     cloud: Option<&'a Cloud>,
 }
 
@@ -248,49 +297,46 @@ impl<T: Sample> Rays<'_, T> {
     /// Casts the rays of all pixels, or of those that are wanted, in steps of such a length.
     fn cast(
         &self,
-        step: f64,
+        (step, lookup): (f64, &Lookup<'_>),
         wanted: Option<&[bool]>,
         image: &mut Image,
         job: &Job,
     ) -> Result<Cast, Stopped> {
-        let Self { medium, camera, options, unit, cloud } = *self;
+        let Self { caster: Raycaster { medium, options, clear, .. }, camera, cloud } = *self;
         let size = image.size();
         let width = size.width.get() as usize;
         job.progress.begin("render", u64::from(size.height.get()));
-        exactly(|| {
-            let lookup = Lookup::new(medium.model, step / unit, step);
-            let view = medium.view;
-            let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
-            let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
-            let march = March::new(medium, (&lookup, clear.as_ref(), cloud), step, options);
-            let band = |(band, pixels): (usize, &mut [Gathered])| {
-                exactly(|| {
-                    job.check()?;
-                    let rows = pixels.len() / width;
-                    let wanted = wanted.map(|wanted| &wanted[band * BAND * width..]);
-                    // Down, then to the right, so that rays that are near each other follow each other.
-                    let rays = (0..pixels.len()).filter_map(|n| {
-                        let (column, row) = (n / rows, n % rows);
-                        let number = row * width + column;
-                        if wanted.is_some_and(|wanted| !wanted[number]) {
-                            return None;
-                        }
-                        let place = [column, band * BAND + row];
-                        let begin = if options.jitter { grain(place) } else { 0.0 };
-                        let ray = camera.pixel_ray(size, place.map(|n| n as f64 + 0.5));
-                        Some((number, ray, begin))
-                    });
-                    let mut done = Cast::default();
-                    march.along(rays, pixels, &mut done);
-                    job.progress.advance(rows as u64);
-                    Ok(done)
-                })
-            };
-            let bands = image.pixels_mut().par_chunks_mut(width * BAND).enumerate();
-            // Sums of whole numbers are the same in any order.
-            let both = |a: Cast, b: Cast| Ok::<_, Stopped>(a.with(b));
-            job.threads.run(|| bands.map(band).try_reduce(Cast::default, both))
-        })
+        let Some(ways) = Ways::new(medium, (camera, size), step) else {
+            return Ok(Cast::default());
+        };
+        let march = March::new(medium, (lookup, clear.as_ref(), cloud), options);
+        let band = |(band, pixels): (usize, &mut [Gathered])| {
+            exactly(|| {
+                job.check()?;
+                let rows = pixels.len() / width;
+                let wanted = wanted.map(|wanted| &wanted[band * BAND * width..]);
+                // Down, then to the right, so that rays that are near each other follow each other.
+                let places = (0..width).flat_map(|column| (0..rows).map(move |row| [column, row]));
+                let ways = places.filter_map(|[column, row]| {
+                    let number = row * width + column;
+                    if wanted.is_some_and(|wanted| !wanted[number]) {
+                        return None;
+                    }
+                    let place = [column, band * BAND + row];
+                    let begin = if options.jitter { grain(place) } else { 0.0 };
+                    let way = ways.through(place.map(|n| n as f64 + 0.5), begin)?;
+                    Some((number, way))
+                });
+                let mut done = Cast::default();
+                march.along(ways, pixels, &mut done);
+                job.progress.advance(rows as u64);
+                Ok(done)
+            })
+        };
+        let bands = image.pixels_mut().par_chunks_mut(width * BAND).enumerate();
+        // Sums of whole numbers are the same in any order.
+        let both = |a: Cast, b: Cast| Ok::<_, Stopped>(a.with(b));
+        exactly(|| job.threads.run(|| bands.map(band).try_reduce(Cast::default, both)))
     }
 }
 

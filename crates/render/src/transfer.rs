@@ -13,7 +13,7 @@ mod model;
 mod slopes;
 mod steep;
 
-pub(crate) use lookup::{Lookup, Place, Scale, Values};
+pub(crate) use lookup::{Lookup, Place, Scale};
 pub use mixture::{Material, Mixture, MixtureError};
 pub use model::OpticalModel;
 pub use slopes::{SlopeError, SlopeFunction};

@@ -61,19 +61,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
 
     /// The same, as far as planes keep it.
     pub(crate) fn interval_within(&self, ray: &Ray, clips: &[HalfSpace]) -> Option<[f64; 2]> {
-        let [mut near, mut far] = self.interval(ray)?;
-        for clip in clips {
-            let (beyond, along) = (clip.beyond(ray.origin), dot(clip.normal(), ray.direction));
-            let end = -beyond / along;
-            match (along > 0.0, along < 0.0) {
-                (true, _) => far = far.min(end),
-                (_, true) => near = near.max(end),
-                // Along the plane, on one side of it.
-                _ if beyond > 0.0 => return None,
-                _ => {}
-            }
-        }
-        (far > near).then_some([near, far])
+        cut(self.interval(ray)?, ray, clips)
     }
 
     /// The value at a place in index space: from the least value of the cell's corners to the greatest, whatever is
@@ -212,6 +200,27 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         });
         self.in_world(part)
     }
+}
+
+/// What planes keep of a ray from one distance to another.
+#[inline]
+pub(crate) fn cut(
+    [mut near, mut far]: [f64; 2],
+    ray: &Ray,
+    clips: &[HalfSpace],
+) -> Option<[f64; 2]> {
+    for clip in clips {
+        let (beyond, along) = (clip.beyond(ray.origin), dot(clip.normal(), ray.direction));
+        let end = -beyond / along;
+        match (along > 0.0, along < 0.0) {
+            (true, _) => far = far.min(end),
+            (_, true) => near = near.max(end),
+            // Along the plane, on one side of it.
+            _ if beyond > 0.0 => return None,
+            _ => {}
+        }
+    }
+    (far > near).then_some([near, far])
 }
 
 /// Part of the way from one number to another.

@@ -1,6 +1,6 @@
 //! Every level against one place at a time.
 
-use super::{Between, Facing, Found, LINES, Lines, TAME, Table};
+use super::{BENT, Between, Facing, Found, LINES, Lines, SEEN, TAME, Table};
 use crate::{Lane, Level, Samples, vertices::tests::Chance};
 
 fn mix(a: f32, b: f32, share: f32) -> f32 {
@@ -107,8 +107,8 @@ fn compare<T: Lane>(
     places: &(Lines, [f64; LINES]),
     (wanted, towards): (u16, [[f32; LINES]; 3]),
 ) {
-    let (dims, seen) = (between.samples.dims(), [true, false, true, true, false]);
-    let table = Table { slope: -0.5, intercept: 3.0, base: -60.0, scale: 0.03, seen: &seen };
+    let (dims, marks) = (between.samples.dims(), [SEEN, 0, SEEN | BENT, SEEN, 0]);
+    let table = Table { slope: -0.5, intercept: 3.0, base: -60.0, scale: 0.03, marks: &marks };
     let covectors = [[0.9, 0.1, 0.0], [-0.1, 0.8, 0.2], [0.3, 0.0, 1.0]];
     let facing = Facing { covectors, towards };
     let look = |level, facing| {
@@ -120,10 +120,12 @@ fn compare<T: Lane>(
     for n in (0..LINES).filter(|n| wanted >> n & 1 == 1) {
         let expected = expected(&at, dims, places, n);
         let value = expected.value * table.slope + table.intercept;
-        let place = ((value - table.base) * table.scale).max(0.0).min(seen.len() as f32);
-        let part = (place as usize).min(seen.len() - 1);
-        let is_seen = seen[part] && !value.is_nan();
+        let place = ((value - table.base) * table.scale).max(0.0).min(marks.len() as f32);
+        let part = (place as usize).min(marks.len() - 1);
+        let is_seen = marks[part] & SEEN != 0 && !value.is_nan();
         assert_eq!((plain.parts[n] as usize, plain.seen >> n & 1 == 1), (part, is_seen));
+        let is_bent = is_seen && marks[part] & BENT != 0;
+        assert_eq!(plain.bent >> n & 1 == 1, is_bent);
         assert_eq!(plain.shares[n], place - part as f32, "{value}");
         assert!(plain.values[n] == value || plain.values[n].is_nan() && value.is_nan());
         // Of rows that share samples four bytes may not be there.
@@ -149,7 +151,11 @@ fn compare<T: Lane>(
     }
     for &level in Level::available() {
         let found = look(level, Some(&facing));
-        assert_eq!((found.seen, found.odd), (plain.seen, plain.odd), "{level}");
+        assert_eq!(
+            (found.seen, found.bent, found.odd),
+            (plain.seen, plain.bent, plain.odd),
+            "{level}"
+        );
         let dark = look(level, None);
         assert_eq!((dark.seen, dark.odd), (plain.seen, 0), "{level}");
         for n in (0..LINES).filter(|n| wanted >> n & 1 == 1) {

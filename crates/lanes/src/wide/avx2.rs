@@ -7,7 +7,7 @@ mod registers;
 
 use super::{BATCH, Exact, Wide, three_along_x};
 use crate::{Lane, Samples};
-use gather::{exact, gather, gather_f64, words_of_four, words_of_two};
+use gather::{exact, gather, gather_f64, rows, words_of_four, words_of_two};
 use registers::{Choice, F32, F64, U32, four, two};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -348,6 +348,11 @@ impl Wide for Avx2 {
         };
         let [a, b, c, d] = words;
         [exact::<T>(self, a), exact::<T>(self, b), exact::<T>(self, c), exact::<T>(self, d)]
+    }
+
+    #[inline(always)]
+    fn rows(self, all: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
+        rows(self, all, at)
     }
 
     #[inline(always)]

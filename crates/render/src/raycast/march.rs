@@ -3,17 +3,14 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, Cloud, MOST_STEPS, Medium, RaycastOptions};
+use super::{Cast, Cloud, Medium, RaycastOptions, way::Way};
 use crate::{
-    Gathered, Light, Ray, Trilinear,
+    Gathered, Light, Trilinear,
     clear::Clear,
-    transfer::{Lookup, Place, Scale, Values},
+    transfer::{Lookup, Place, Scale},
 };
-use isokit_geom::{
-    HalfSpace,
-    vector::{Vector, length},
-};
-use isokit_lanes::{Between, Blocks, Facing, Found, LINES, Lines};
+use isokit_geom::vector::length;
+use isokit_lanes::{Between, Blocks, Facing, Found, LINES, Layers, Lines, Next, OnTheWay};
 use isokit_volume::Sample;
 
 /// All that rays have in common.
@@ -26,44 +23,22 @@ pub(super) struct March<'a, T> {
     covectors: [[f32; 3]; 3],
     /// How long a gradient of length 1 is that is found so.
     rise: f64,
-    clips: &'a [HalfSpace],
     lookup: &'a Lookup<'a>,
     /// Where nothing can be seen: as it is, and for leaps.
     clear: Option<(&'a Clear, Blocks<'a>)>,
-    /// The length of a step in world units.
-    step: f64,
     light: Option<Light>,
     cloud: Option<&'a Cloud>,
     opaque: f32,
-}
-
-/// The way of a ray through a volume: from the first number of steps to the last, where the last may be no whole
-/// one.
-#[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    /// Where it begins, and how far one step leads, in index space.
-    start: [f64; 3],
-    step: [f64; 3],
-    /// How many steps it is long.
-    steps: f64,
-    /// How many of them its first, if that is no whole one.
-    begin: f64,
-    /// Where it leads in the world.
-    towards: Vector,
 }
 
 /// Rays side by side.
 #[derive(Default)]
 struct Front {
     lines: Lines,
-    /// How many steps it is to the middle of the next step of each.
-    steps: [f64; LINES],
-    /// How many whole steps each has.
-    whole: [f64; LINES],
-    /// How many steps a cell is long on each, along x, y, z: without end where it does not move.
-    pace: [[f64; LINES]; 3],
+    /// Each to the middle of its next step, of its whole ones.
+    on: OnTheWay,
     facing: Facing,
-    gathered: [Gathered; LINES],
+    layers: Layers,
     ways: [Way; LINES],
     /// The number of its pixel.
     pixels: [usize; LINES],
@@ -75,10 +50,9 @@ impl<'a, T: Sample> March<'a, T> {
     pub(super) fn new(
         medium: &Medium<'a, T>,
         (lookup, clear, cloud): (&'a Lookup<'a>, Option<&'a Clear>, Option<&'a Cloud>),
-        step: f64,
         options: &RaycastOptions,
     ) -> Self {
-        let (field, clips) = (Trilinear::new(*medium.view), medium.clips);
+        let field = Trilinear::new(*medium.view);
         let RaycastOptions { light, opaque, .. } = *options;
         let clear = clear.and_then(|clear| Some((clear, clear.blocks()?)));
         let between = medium.view.samples().and_then(Between::new);
@@ -87,13 +61,13 @@ impl<'a, T: Sample> March<'a, T> {
         let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
         // Differences are over two samples.
         let rise = 0.5 * greatest * medium.view.scaling().slope().abs();
-        Self { field, between, covectors, rise, clips, lookup, clear, step, light, cloud, opaque }
+        Self { field, between, covectors, rise, lookup, clear, light, cloud, opaque }
     }
 
-    /// What rays gather, each with the number of its pixel and the part of a step that it begins with.
+    /// What rays gather on their ways, each with the number of its pixel.
     pub(super) fn along(
         &self,
-        mut rays: impl Iterator<Item = (usize, Ray, f64)>,
+        mut ways: impl Iterator<Item = (usize, Way)>,
         pixels: &mut [Gathered],
         done: &mut Cast,
     ) {
@@ -102,80 +76,62 @@ impl<'a, T: Sample> March<'a, T> {
         front.facing.covectors = self.covectors;
         let (table, mut found) =
             (self.lookup.table(Scale::of(self.field.view().scaling())), Found::default());
-        let mut due = u16::MAX;
+        let (mut due, mut advanced, mut looked) = (u16::MAX, 0.0, 0);
         loop {
             while due != 0 {
                 let n = due.trailing_zeros() as usize;
                 due &= due - 1;
                 if front.live >> n & 1 == 1 {
-                    self.end(&mut front, n, done);
-                    pixels[front.pixels[n]] = front.gathered[n];
+                    advanced += front.on.steps[n] - 0.5;
+                    pixels[front.pixels[n]] = self.end(&front, n, done);
                 }
-                let mut ways = rays
-                    .by_ref()
-                    .filter_map(|(pixel, ray, begin)| Some((pixel, self.way(&ray, begin)?)));
                 front.next(n, ways.next());
-                if front.live >> n & 1 == 1 && front.ways[n].begin > 0.0 {
-                    let way = &front.ways[n];
-                    let first = self.partial(way, [0.0, way.begin.min(way.steps)], done);
-                    front.gathered[n] = first;
+                if front.live >> n & 1 == 1 && front.ways[n].before > 0.0 {
+                    let way = front.ways[n];
+                    front.set(n, self.partial(&way, [-way.before, 0.0], done));
                 }
             }
             if front.live == 0 {
-                return;
+                break;
             }
-            let ready = self.leap(&mut front, done);
-            due = 0;
+            let ready = self.lead(&mut front);
+            let mut are_opaque = 0;
             if ready != 0 {
-                let places = (&front.lines, &front.steps);
+                let places = (&front.lines, &front.on.steps);
                 let facing = self.has_gradients().then_some(&front.facing);
                 between.look(places, ready, &table, facing, &mut found);
-                done.steps += u64::from(ready.count_ones());
-                due = if found.seen == 0 { 0 } else { self.gather(&mut found, &mut front) };
+                looked += u64::from(ready.count_ones());
+                if found.seen != 0 {
+                    are_opaque = self.gather(&mut found, &mut front);
+                }
             }
-            for n in 0..LINES {
-                front.steps[n] += f64::from(ready >> n & 1);
-                due |= u16::from(front.steps[n] > front.whole[n]) << n;
-            }
-            due &= front.live;
+            due = (are_opaque | front.on.advance(ready)) & front.live;
         }
+        done.steps += looked;
+        done.steps_leapt += advanced as u64 - looked;
     }
 
     /// Leads rays to steps of which something may be seen; the bits of those that are there.
     #[inline(always)]
-    fn leap(&self, front: &mut Front, done: &mut Cast) -> u16 {
-        /// With so many there the others wait for nobody: they go on while those are looked at.
-        const ENOUGH: u32 = 12;
-        let on_their_way = |front: &Front| {
-            let mut bits = 0;
-            for n in 0..LINES {
-                bits |= u16::from(front.steps[n] < front.whole[n]) << n;
-            }
-            bits & front.live
-        };
-        let mut going = on_their_way(front);
-        let Some((_, blocks)) = &self.clear else { return going };
-        let (before, mut ready) = (front.steps, 0_u16);
-        while going != 0 && ready.count_ones() < ENOUGH {
-            let Front { lines, pace, whole, steps, .. } = &mut *front;
-            ready |= blocks.leap(lines, pace, whole, going, steps);
-            going = on_their_way(front) & !ready;
+    fn lead(&self, front: &mut Front) -> u16 {
+        let Front { lines, live, on, .. } = front;
+        if let Some((_, blocks)) = &self.clear {
+            return blocks.lead(lines, *live, on);
         }
-        let leapt = |n: usize| front.steps[n] - before[n];
-        done.steps_leapt += (0..LINES).map(leapt).sum::<f64>() as u64;
-        ready
+        let is_going = |n: usize| u16::from(on.steps[n] < on.until[n]) << n;
+        *live & (0..LINES).fold(0, |bits, n| bits | is_going(n))
     }
 
-    /// Adds the last step of a ray, if it is a part of one and not hidden.
-    fn end(&self, front: &mut Front, n: usize, done: &mut Cast) {
-        let (way, at) = (&front.ways[n], front.steps[n] - 0.5);
+    /// What a ray has gathered in the end, with its last step, if it is a part of one and not hidden.
+    fn end(&self, front: &Front, n: usize, done: &mut Cast) -> Gathered {
+        let (way, at, gathered) = (&front.ways[n], front.on.steps[n] - 0.5, front.gathered(n));
         let left = way.steps - at;
-        if front.gathered[n].opacity >= self.opaque {
+        if gathered.opacity >= self.opaque {
             done.steps_hidden += left.ceil() as u64;
         } else if left > 0.0 {
-            let last = self.partial(way, [at, way.steps], done);
-            front.gathered[n] = front.gathered[n].over(last);
+            return gathered.over(self.partial(way, [at, way.steps], done));
         }
+        gathered
     }
 
     /// What is seen in a part of a step, if something may be.
@@ -213,10 +169,14 @@ impl<'a, T: Sample> March<'a, T> {
     #[inline(always)]
     fn gather(&self, found: &mut Found, front: &mut Front) -> u16 {
         let shades = self.shades(found, front);
-        if let (Some(values), None) = (self.lookup.values(), self.cloud) {
-            return self.gather_values(&values, found, shades.as_ref(), front);
+        let (mut left, mut are_opaque) = (found.seen, 0);
+        if let (Some(entries), None) = (self.lookup.values(), self.cloud) {
+            // What nothing but values and light counts for, and is linear: of all rays at once.
+            left = found.bent;
+            let (parts, shares) = (&found.parts, &found.shares);
+            let next = Next { entries, parts, shares, shades: shades.as_ref() };
+            are_opaque = next.lay(found.seen & !found.bent, &mut front.layers, self.opaque);
         }
-        let (mut left, mut opaque) = (found.seen, 0);
         while left != 0 {
             let n = left.trailing_zeros() as usize;
             left &= left - 1;
@@ -229,51 +189,13 @@ impl<'a, T: Sample> March<'a, T> {
             let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
             let mut next = self.lookup.gathered(place, shade);
             if let Some(cloud) = self.cloud {
-                next = next.dimmed(cloud.light(front.ways[n].at(front.steps[n])));
+                next = next.dimmed(cloud.light(front.ways[n].at(front.on.steps[n])));
             }
-            let gathered = front.gathered[n].over(next);
-            front.gathered[n] = gathered;
-            opaque |= u16::from(gathered.opacity >= self.opaque) << n;
+            let gathered = front.gathered(n).over(next);
+            front.set(n, gathered);
+            are_opaque |= u16::from(gathered.opacity >= self.opaque) << n;
         }
-        opaque
-    }
-
-    /// The same where nothing but values counts: all four parts of a colour at once.
-    #[inline(always)]
-    fn gather_values(
-        &self,
-        values: &Values<'_>,
-        found: &Found,
-        shades: Option<&[[f32; LINES]; 2]>,
-        front: &mut Front,
-    ) -> u16 {
-        let (mut left, mut opaque) = (found.seen, 0);
-        while left != 0 {
-            let n = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let (part, share) = (found.parts[n] as usize, found.shares[n]);
-            let mut next = values.within(part, share).unwrap_or_else(|| {
-                four(self.lookup.exact([found.values[n].into(), 0.0], 1.0, None))
-            });
-            if let Some([matt, gloss]) = shades {
-                // As `Gathered::lit`; the opacity stays as it is.
-                let (shade, white) = ([matt[n], matt[n], matt[n], 1.0], next[3] * gloss[n]);
-                let opacity = next[3];
-                let add = [white, white, white, 0.0];
-                for k in 0..4 {
-                    next[k] = (next[k] * shade[k] + add[k]).min(opacity);
-                }
-            }
-            let mut gathered = four(front.gathered[n]);
-            let open = 1.0 - gathered[3];
-            for k in 0..4 {
-                gathered[k] += open * next[k];
-            }
-            let [r, g, b, opacity] = gathered;
-            front.gathered[n] = Gathered { color: [r, g, b], opacity };
-            opaque |= u16::from(opacity >= self.opaque) << n;
-        }
-        opaque
+        are_opaque
     }
 
     /// How gradients answer the light, matt and in gloss, if there is one. Of steps in which nothing is seen anything.
@@ -286,7 +208,7 @@ impl<'a, T: Sample> March<'a, T> {
             let n = odd.trailing_zeros() as usize;
             odd &= odd - 1;
             let way = &front.ways[n];
-            let gradient = self.field.gradient(way.at(front.steps[n]));
+            let gradient = self.field.gradient(way.at(front.on.steps[n]));
             found.slopes[n] = (length(gradient) / self.rise) as f32;
             if let (Some(light), Some([matt, gloss])) = (&self.light, &mut shades) {
                 [matt[n], gloss[n]] = light.answer(gradient, way.towards);
@@ -294,57 +216,36 @@ impl<'a, T: Sample> March<'a, T> {
         }
         shades
     }
-
-    /// Where a ray goes through what is kept of the box from the first sample to the last.
-    fn way(&self, ray: &Ray, begin: f64) -> Option<Way> {
-        let [near, far] = self.field.interval_within(ray, self.clips)?;
-        let steps = (far - near) / self.step;
-        let affine = self.field.affine();
-        let (origin, direction) =
-            (affine.inverse_point(ray.origin), affine.inverse_vector(ray.direction));
-        let step = direction.map(|c| c * self.step);
-        (steps > 0.0 && steps <= 2.0 * MOST_STEPS).then(|| Way {
-            start: std::array::from_fn(|k| origin[k] + near * direction[k]),
-            step,
-            steps,
-            begin,
-            towards: ray.direction,
-        })
-    }
 }
 
 impl Front {
     /// Puts the next ray at the beginning of its way, if there is one.
+    #[inline(always)]
     fn next(&mut self, n: usize, next: Option<(usize, Way)>) {
         self.live &= !(1 << n);
         let Some((pixel, way)) = next else { return };
         self.live |= 1 << n;
-        let long = length(way.towards);
         for k in 0..3 {
             self.lines.start[k][n] = way.start[k];
             self.lines.step[k][n] = way.step[k];
-            // Upwards where it does not move: there it does not leave.
-            let is_still = way.step[k] == 0.0;
-            self.pace[k][n] = if is_still { f64::INFINITY } else { way.step[k].recip() };
-            self.facing.towards[k][n] = (way.towards[k] / long) as f32;
+            self.on.pace[k][n] = way.pace[k];
+            self.facing.towards[k][n] = way.towards[k] as f32;
         }
-        let whole = (way.steps - way.begin).max(0.0).floor();
-        (self.steps[n], self.whole[n]) = (way.begin + 0.5, way.begin + whole);
-        (self.ways[n], self.pixels[n], self.gathered[n]) = (way, pixel, Gathered::NOTHING);
+        let OnTheWay { steps, until, seen, .. } = &mut self.on;
+        (steps[n], until[n], seen[n]) = (0.5, way.steps.floor(), 0.0);
+        (self.ways[n], self.pixels[n]) = (way, pixel);
+        self.set(n, Gathered::NOTHING);
     }
-}
 
-/// Colour and opacity side by side.
-#[inline(always)]
-fn four(gathered: Gathered) -> [f32; 4] {
-    let [r, g, b] = gathered.color;
-    [r, g, b, gathered.opacity]
-}
+    /// What a ray has gathered so far.
+    fn gathered(&self, n: usize) -> Gathered {
+        let [r, g, b, opacity] = &self.layers;
+        Gathered { color: [r[n], g[n], b[n]], opacity: opacity[n] }
+    }
 
-impl Way {
-    /// The place after so many steps.
-    #[inline(always)]
-    fn at(&self, steps: f64) -> [f64; 3] {
-        std::array::from_fn(|k| self.start[k] + steps * self.step[k])
+    fn set(&mut self, n: usize, Gathered { color: [r, g, b], opacity }: Gathered) {
+        for (layer, part) in self.layers.iter_mut().zip([r, g, b, opacity]) {
+            layer[n] = part;
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::{
     slopes::{between, extinction},
 };
 use crate::{Gathered, gather::opacity_over};
-use isokit_lanes::Table;
+use isokit_lanes::{BENT, SEEN, Table};
 use isokit_volume::Scaling;
 
 /// What values look like over a step, in parts between whose ends it changes linearly. Where a function has a step, or a
@@ -22,12 +22,10 @@ pub(crate) struct Lookup<'a> {
     /// Entries per value.
     scale: f32,
     looks: Looks<'a>,
-    /// Whether something is seen in each part.
-    seen: Box<[bool; PARTS]>,
+    /// Of each part whether something is seen in it, and whether it is not as good as linear.
+    marks: Box<[u8; PARTS]>,
     /// The first part from each on in which something is seen, or else how many there are.
     next_seen: Box<[u16; PARTS]>,
-    /// Whether a part is not as good as linear.
-    is_bent: Box<[bool; PARTS]>,
 }
 
 /// At the ends of parts: one more than there are parts.
@@ -42,21 +40,6 @@ enum Looks<'a> {
     Slopes(&'a SlopeFunction, Vec<Entries>),
     /// What there is in half a step, and the colours of surfaces; of each part how much the density changes in it.
     Mixture { mixture: &'a Mixture, halves: Entries, surfaces: Entries, changes: Box<[f32; PARTS]> },
-}
-
-/// What values look like over a step, where nothing else counts.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Values<'a> {
-    entries: &'a [[f32; 4]; PARTS + 1],
-    is_bent: &'a [bool; PARTS],
-}
-
-impl Values<'_> {
-    /// Colour times opacity, and opacity, in a part; none where the function itself is to be asked.
-    #[inline(always)]
-    pub(crate) fn within(&self, part: usize, share: f32) -> Option<[f32; 4]> {
-        (!self.is_bent[part]).then(|| within(self.entries, part, share))
-    }
 }
 
 /// A place that is looked up.
@@ -142,9 +125,8 @@ impl<'a> Lookup<'a> {
             base,
             scale,
             looks,
-            seen: Box::new([false; PARTS]),
+            marks: Box::new([0; PARTS]),
             next_seen: Box::new([PARTS as u16; PARTS]),
-            is_bent: Box::new([false; PARTS]),
         };
         lookup.mark(value);
         lookup
@@ -155,7 +137,7 @@ impl<'a> Lookup<'a> {
         for part in 0..PARTS {
             // However little of it, next to a part too: rounding may lead there.
             let ends = [value(part.saturating_sub(1)), value((part + 2).min(PARTS))];
-            self.seen[part] = self.model.shows_any(ends);
+            self.marks[part] = if self.model.shows_any(ends) { SEEN } else { 0 };
         }
         for (n, function) in functions(self.model).enumerate() {
             for point in function.points() {
@@ -181,13 +163,13 @@ impl<'a> Lookup<'a> {
                 if is_off || matches!(self.looks, Looks::Mixture { .. }) {
                     let (part, _) = self.part(value);
                     let near = part.saturating_sub(1)..(part + 2).min(PARTS);
-                    self.is_bent[near].fill(true);
+                    self.marks[near].iter_mut().for_each(|mark| *mark |= BENT);
                 }
             }
         }
         let mut next = PARTS as u16;
         for part in (0..PARTS).rev() {
-            next = if self.seen[part] { part as u16 } else { next };
+            next = if self.is(part, SEEN) { part as u16 } else { next };
             self.next_seen[part] = next;
         }
     }
@@ -204,23 +186,29 @@ impl<'a> Lookup<'a> {
             return None;
         }
         let (part, share) = self.part(value);
-        self.seen[part].then_some(Place { part, share, value, slope: 0.0 })
+        self.is(part, SEEN).then_some(Place { part, share, value, slope: 0.0 })
     }
 
-    /// The colours of values, if nothing else counts.
+    /// Colour times opacity, and opacity, at the ends of parts, if nothing but values counts.
     #[inline(always)]
-    pub(crate) fn values(&self) -> Option<Values<'_>> {
+    pub(crate) fn values(&self) -> Option<&[[f32; 4]]> {
         match &self.looks {
-            Looks::Values(entries) => Some(Values { entries, is_bent: &self.is_bent }),
+            Looks::Values(entries) => Some(&entries[..]),
             _ => None,
         }
+    }
+
+    /// Whether a part has a mark.
+    #[inline(always)]
+    fn is(&self, part: usize, mark: u8) -> bool {
+        self.marks[part] & mark != 0
     }
 
     /// What a whole step of a place looks like, under a light if there is one.
     #[inline(always)]
     pub(crate) fn gathered(&self, place: Place, shade: Option<[f32; 2]>) -> Gathered {
         match &self.looks {
-            Looks::Values(entries) if !self.is_bent[place.part] => {
+            Looks::Values(entries) if !self.is(place.part, BENT) => {
                 let [r, g, b, opacity] = within(entries, place.part, place.share);
                 lit(Gathered { color: [r, g, b], opacity }, shade)
             }
@@ -232,7 +220,7 @@ impl<'a> Lookup<'a> {
     fn layered(&self, place: Place, shade: Option<[f32; 2]>) -> Gathered {
         let Place { part, share, value, slope } = place;
         match &self.looks {
-            Looks::Slopes(slopes, rows) if !self.is_bent[part] => {
+            Looks::Slopes(slopes, rows) if !self.is(part, BENT) => {
                 let (row, of_next) = between(slopes.rows().map(|row| row.0), slope);
                 let of_next = of_next as f32;
                 let low = within(&rows[row], part, share);
@@ -245,7 +233,7 @@ impl<'a> Lookup<'a> {
                 let opacity = -(-f64::from(all)).exp_m1() as f32;
                 lit(Gathered { color: [r, g, b].map(|c| c / all * opacity), opacity }, shade)
             }
-            Looks::Mixture { mixture, halves, surfaces, changes } if !self.is_bent[part] => {
+            Looks::Mixture { mixture, halves, surfaces, changes } if !self.is(part, BENT) => {
                 let [r, g, b, opacity] = within(halves, part, share);
                 let half = Gathered { color: [r, g, b], opacity };
                 let change = f64::from(changes[part]);
@@ -288,7 +276,7 @@ impl<'a> Lookup<'a> {
     /// The parts, for samples that mean what `scale` says.
     pub(crate) fn table(&self, scale: Scale) -> Table<'_> {
         let Scale { slope, intercept } = scale;
-        Table { slope, intercept, base: self.base, scale: self.scale, seen: &self.seen[..] }
+        Table { slope, intercept, base: self.base, scale: self.scale, marks: &self.marks[..] }
     }
 
     /// Whether no value from one to another can be seen.

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Lane,
-    wide::{Exact, Wide},
+    wide::{BATCH, Exact, Wide, row},
 };
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -60,10 +60,45 @@ pub(super) unsafe fn gather_f64(wide: Avx2, base: *const f64, at: U32) -> F64 {
 /// All four must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn words_of_four(wide: Avx2, base: *const f32, at: U32) -> [[__m256i; 2]; 4] {
-    let numbers = wide.store(at);
+    let mut places = [base; BATCH];
+    for (place, number) in places.iter_mut().zip(wide.store(at)) {
+        *place = base.wrapping_offset(number as i32 as isize);
+    }
+    // SAFETY: the caller says that the words are there.
+    let columns = unsafe { columns(wide, places) };
+    // SAFETY: there is a token.
+    unsafe {
+        [
+            two!(N => _mm256_castps_si256(columns[0][N])),
+            two!(N => _mm256_castps_si256(columns[1][N])),
+            two!(N => _mm256_castps_si256(columns[2][N])),
+            two!(N => _mm256_castps_si256(columns[3][N])),
+        ]
+    }
+}
+
+/// See [`Wide::rows`].
+#[inline(always)]
+pub(super) fn rows(wide: Avx2, rows: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
+    let mut places = [rows.as_ptr().cast(); BATCH];
+    for (place, &at) in places.iter_mut().zip(at) {
+        *place = row(rows, at).as_ptr();
+    }
+    // SAFETY: these are rows of four.
+    let [a, b, c, d] = unsafe { columns(wide, places) };
+    [F32(a), F32(b), F32(c), F32(d)]
+}
+
+/// Of the four numbers from each place on: all first ones, all second ones, and so on.
+///
+/// # Safety
+///
+/// All four must be there.
+#[inline(always)]
+unsafe fn columns(_: Avx2, places: [*const f32; BATCH]) -> [[__m256; 2]; 4] {
     macro_rules! load {
         ($n:expr) => {
-            _mm_loadu_ps(base.wrapping_offset(numbers[$n] as i32 as isize))
+            _mm_loadu_ps(places[$n])
         };
     }
     // Those of places n and n + 4.
@@ -72,7 +107,7 @@ pub(super) unsafe fn words_of_four(wide: Avx2, base: *const f32, at: U32) -> [[_
             _mm256_set_m128(load!($n + 4), load!($n))
         };
     }
-    // SAFETY: there is a token, and the caller says that the words are there.
+    // SAFETY: there is a token, and the caller says that the numbers are there.
     unsafe {
         // The first and second ones of places n, n + 1 and n + 2, n + 3, and then the others.
         let low = two!(N => _mm256_unpacklo_ps(both!(8 * N), both!(8 * N + 1)));
@@ -83,12 +118,7 @@ pub(super) unsafe fn words_of_four(wide: Avx2, base: *const f32, at: U32) -> [[_
         let second = two!(N => _mm256_shuffle_ps::<0b11_10_11_10>(low[N], next_low[N]));
         let third = two!(N => _mm256_shuffle_ps::<0b01_00_01_00>(high[N], next_high[N]));
         let fourth = two!(N => _mm256_shuffle_ps::<0b11_10_11_10>(high[N], next_high[N]));
-        [
-            two!(N => _mm256_castps_si256(first[N])),
-            two!(N => _mm256_castps_si256(second[N])),
-            two!(N => _mm256_castps_si256(third[N])),
-            two!(N => _mm256_castps_si256(fourth[N])),
-        ]
+        [first, second, third, fourth]
     }
 }
 

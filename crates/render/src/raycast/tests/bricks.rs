@@ -2,8 +2,8 @@
 
 use super::{PLAIN, blobs, cameras, glow, medium, picture, size, volume};
 use crate::{
-    Camera, Cast, ControlPoint, Image, Medium, OpticalModel, RaycastOptions, TransferFunction,
-    raycast,
+    Camera, Cast, ControlPoint, Image, Medium, OpticalModel, RaycastOptions, Raycaster,
+    TransferFunction, raycast,
 };
 use isokit_job::Job;
 use isokit_volume::{Bricks, Sample, Scaling, Volume};
@@ -26,7 +26,8 @@ fn leaps_over_what_cannot_be_seen_change_no_bit() {
     let volume = blobs();
     let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
     for camera in cameras(&volume) {
-        for options in [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13)] {
+        let grained = PLAIN.with_step(0.7).with_jitter(true);
+        for options in [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13), grained] {
             let (plain, walked) = picture(&volume, &glow(), (&camera, 60), &options);
             let (leapt, cast) = with(&bricks, &volume, &glow(), (&camera, 60), &options);
             assert!(leapt == plain);
@@ -37,6 +38,22 @@ fn leaps_over_what_cannot_be_seen_change_no_bit() {
             assert!(cast.steps_leapt > cast.steps, "{cast:?}");
             assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.5), "nothing is seen");
         }
+    }
+}
+
+#[test]
+fn what_is_made_ready_once_serves_all_cameras() {
+    let volume = blobs();
+    let (view, model, job) = (volume.view(), glow(), Job::default());
+    let bricks = Bricks::of(&view, &job).unwrap();
+    let medium = Medium { bricks: Some(&bricks), ..medium(&view, &model) };
+    let options = RaycastOptions::DEFAULT.with_error(Some(0.01));
+    let caster = Raycaster::new(&medium, &options, &job).unwrap();
+    for camera in cameras(&volume) {
+        let camera = (&camera, size(30));
+        assert!(
+            caster.picture(camera, &job) == Ok(raycast(&medium, camera, &options, &job).unwrap())
+        );
     }
 }
 
