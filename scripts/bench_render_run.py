@@ -121,14 +121,18 @@ def values(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
             view = view_of(volume, size, threads, lit)
             for step in (1.0, 0.5):
                 theirs = Caster(volume, view, transfer, step)
-                ours_s, theirs_s = interleaved(
-                    rounds, lambda: own.cast(view, transfer, step)["seconds"], theirs.seconds
+                ours_s, integrated_s, theirs_s = interleaved(
+                    rounds,
+                    lambda: own.cast(view, transfer, step)["seconds"],
+                    lambda: own.cast(view, transfer, step, integrated=True)["seconds"],
+                    theirs.seconds,
                 )
                 fine = Caster(volume, view, transfer, step / FINE)
                 fine.seconds()
                 theirs_fine = fine.picture()
                 ours_fine = own.picture(own.cast, view, transfer, step / FINE)
                 ours = eight_bits(own.picture(own.cast, view, transfer, step))
+                integrated = own.picture(own.cast, view, transfer, step, integrated=True)
                 rows.append(
                     {
                         "what": f"{volume.name} {size}², {'' if lit else 'not '}lit, step {step:g}",
@@ -137,6 +141,8 @@ def values(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
                         "times faster": theirs_s / ours_s,
                         "isokit error": rms(ours, ours_fine),
                         "VTK error": rms(theirs.picture(), theirs_fine),
+                        "integrated ms": 1e3 * integrated_s,
+                        "integrated error": rms(eight_bits(integrated), ours_fine),
                         "VTK error against isokit's fine steps": rms(theirs.picture(), ours_fine),
                     }
                 )

@@ -142,6 +142,10 @@ pub(crate) enum PresetWord {
     CtBone,
     /// Translucent skin with bone behind it, in Hounsfield units
     CtSkin,
+    /// Tissue of a magnetic resonance image, dark parts as a veil
+    Mr,
+    /// Peaks of a density map, by standard deviations above the mean
+    Density,
 }
 
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
@@ -230,6 +234,8 @@ pub(crate) struct SamplingTable {
     pub(crate) step: Option<f64>,
     #[serde(default)]
     pub(crate) jitter: bool,
+    #[serde(default)]
+    pub(crate) integrated: bool,
     pub(crate) error: Option<f32>,
 }
 

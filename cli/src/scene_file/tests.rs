@@ -38,6 +38,7 @@ fn everything_that_a_scene_may_say_is_read() {
         specular = 0.3
         [sampling]
         step = 0.25
+        integrated = true
         [output]
         size = [1024, 768]
         mode = "surfaces"
@@ -52,6 +53,7 @@ fn everything_that_a_scene_may_say_is_read() {
     let points = scene.transfer.unwrap().points.unwrap();
     assert_eq!(points[1], (300.5, Color(Rgba([0xe8, 0xdc, 0xc0, 0xc0]))));
     assert!(matches!(scene.camera.at, Some(At::Center(_))));
+    assert_eq!((scene.sampling.step, scene.sampling.integrated), (Some(0.25), true));
     assert_eq!(scene.output.mode, Some(ModeWord::Surfaces));
     assert_eq!(scene.output.background, Some(Ground::Color(Rgba([255; 4]))));
     let preset: SceneFile = toml::from_str("[transfer]\npreset = \"ct-bone\"").unwrap();

@@ -181,6 +181,11 @@ fn what_would_have_no_effect_is_refused() {
             "[light]\nfrom = [1, 0, 0]\nscatter = 1\nahead = 1\n[output]\nmode = \"raycast\"\n",
             "0.99",
         ),
+        (
+            "[transfer]\ngradient = true\n[sampling]\nintegrated = true\n[output]\nmode = \"raycast\"\n",
+            "values alone",
+        ),
+        ("[sampling]\nintegrated = true\n[output]\nmode = \"splat\"\n", "integrated"),
     ] {
         let scene = "[volume]\npath = \"ball.nii\"\n[[surface]]\niso = 50\ncolor = \"#ffffff\"\n";
         fs::write(folder.path("s.toml"), format!("{scene}{says}")).unwrap();

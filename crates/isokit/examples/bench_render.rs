@@ -70,6 +70,9 @@ struct Casting {
     /// Whether bricks of which nothing can be seen are passed.
     leap: bool,
     opaque: Option<f32>,
+    /// Whether steps are looked up by the values at both ends.
+    #[serde(default)]
+    integrated: bool,
 }
 
 /// A surface: its value, colour in linear light, and opacity.
@@ -142,6 +145,7 @@ fn casting<T: Sample>(volume: &Volume<T>, view: &View, cast: &Casting) -> Result
     let default = RaycastOptions::DEFAULT;
     let options = default.with_step(cast.step).with_light(view.light());
     let options = options.with_opaque(cast.opaque.unwrap_or(default.opaque));
+    let options = options.with_integrated(cast.integrated);
     let seen = volume.view();
     let start = Instant::now();
     let bricks = cast.leap.then(|| Bricks::of(&seen, &job)).transpose()?;

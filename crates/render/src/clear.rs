@@ -19,6 +19,9 @@ pub(crate) struct Clear {
 /// Cells of a block along each axis.
 pub(crate) const CELLS: usize = 4;
 
+/// A brick's samples along x, with those around it, are two words.
+pub(crate) const MOST_MARGIN: usize = 16;
+
 /// Blocks of a brick along x, y, z: a brick is a word of cells long, and two blocks wide and deep.
 const BLOCKS: [usize; 3] = [WORD / CELLS, 2, 2];
 
@@ -28,10 +31,13 @@ struct Looks<'a, T> {
     view: &'a View<'a, T>,
     scale: Scale,
     lookup: &'a Lookup<'a>,
+    /// How many samples around a block may be seen in it.
+    margin: usize,
 }
 
 impl Clear {
-    /// Of the bricks of which something can be seen the samples are looked at once more, block by block.
+    /// Of the bricks of which something can be seen the samples are looked at once more, block by block; with so many
+    /// samples around it, no more than [`MOST_MARGIN`], if more than places in it may be seen there.
     ///
     /// # Errors
     ///
@@ -39,19 +45,29 @@ impl Clear {
     pub(crate) fn new<T: Sample>(
         view: &View<'_, T>,
         bricks: &Bricks<T>,
-        lookup: &Lookup<'_>,
+        (lookup, margin): (&Lookup<'_>, usize),
         job: &Job,
     ) -> Result<Self, Stopped> {
         let counts = view.dims().map(|n| (n - 1).div_ceil(CELLS).max(1));
         let all = counts.iter().map(|&n| n as u64).product();
         let mut reach: Vec<u8> = job.limits.zeroed("blocks of the volume", Some(all))?;
         reach.fill(u8::MAX);
-        let looks = Looks { view, scale: Scale::of(view.scaling()), lookup };
-        let [nx, ny, _] = bricks.grid().counts();
+        let looks = Looks { view, scale: Scale::of(view.scaling()), lookup, margin };
+        let [nx, ny, nz] = bricks.grid().counts();
         let layer = |(z, blocks): (usize, &mut [u8])| {
             job.check()?;
             for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
-                if !looks.is_clear(&bricks.extents()[bricks.grid().number([x, y, z])]) {
+                // Those beside it too, if they are so near.
+                let near = |n: usize, count: usize| {
+                    let more = usize::from(margin > 0);
+                    n.saturating_sub(more)..(n + more + 1).min(count)
+                };
+                let mut around = near(z, nz).flat_map(|z| {
+                    near(y, ny).flat_map(move |y| near(x, nx).map(move |x| [x, y, z]))
+                });
+                let is_clear =
+                    |brick| looks.is_clear(&bricks.extents()[bricks.grid().number(brick)]);
+                if !around.all(is_clear) {
                     looks.look_into([x, y, z], counts, blocks);
                 }
             }
@@ -152,9 +168,10 @@ impl<T: Sample> Looks<'_, T> {
     fn look_into(&self, brick: [usize; 3], counts: [usize; 3], blocks: &mut [u8]) {
         let dims = self.view.dims();
         let first = [0, 1, 2].map(|axis| brick[axis] * BLOCKS[axis]);
-        // The samples of so many blocks from one on, with those on the far side.
+        // The samples of so many blocks from one on, with those on the far side, and those around.
         let of = |axis: usize, block: usize, more: usize| {
-            block * CELLS..((block + more) * CELLS + 1).min(dims[axis])
+            (block * CELLS).saturating_sub(self.margin)
+                ..((block + more) * CELLS + 1 + self.margin).min(dims[axis])
         };
         let along_x = of(0, first[0], BLOCKS[0]);
         let mut scratch = vec![];
@@ -170,13 +187,13 @@ impl<T: Sample> Looks<'_, T> {
             }
             let row = &mut blocks[(k * counts[1] + y) * counts[0]..][..counts[0]];
             for (n, reach) in row.iter_mut().enumerate().skip(first[0]).take(BLOCKS[0]) {
-                let begin = (n - first[0]) * CELLS;
-                // The far side of the last block is the first column of the next word.
-                let own = columns[0].some(begin..(begin + CELLS + 1).min(WORD));
-                let extent = match columns.get(1) {
-                    Some(next) if begin + CELLS == WORD => own.with(next.first()),
-                    _ => own,
-                };
+                let own = of(0, n, 1);
+                let [begin, end] = [own.start, own.end].map(|at| at - along_x.start);
+                // The last ones may be in the next word.
+                let mut extent = columns[0].some(begin.min(WORD)..end.min(WORD));
+                if end > WORD {
+                    extent = extent.with(columns[1].some(begin.max(WORD) - WORD..end - WORD));
+                }
                 if !self.is_clear(&extent) {
                     *reach = 0;
                 }
@@ -238,13 +255,15 @@ mod tests {
                 Volume::new(grid, (0..grid.count()).map(&mut sample).collect()).unwrap();
             let (view, job) = (volume.view(), Job::default());
             let bricks = Bricks::of(&view, &job).unwrap();
-            let clear = Clear::new(&view, &bricks, &lookup, &job).unwrap();
+            let margin = chance(4) as usize;
+            let clear = Clear::new(&view, &bricks, (&lookup, margin), &job).unwrap();
             let [nx, ny, nz] = clear.counts;
             for n in 0..nx * ny * nz {
                 let block = [n % nx, n / nx % ny, n / nx / ny];
                 let along = |axis: usize| {
                     let first = block[axis] * CELLS;
-                    first..=(first + CELLS).min(view.dims()[axis] - 1)
+                    first.saturating_sub(margin)
+                        ..=(first + CELLS + margin).min(view.dims()[axis] - 1)
                 };
                 let (mut least, mut greatest) = (u8::MAX, 0);
                 for (k, j) in along(2).flat_map(|k| along(1).map(move |j| (k, j))) {

@@ -2,8 +2,9 @@
 //! (Levoy 1988, "Display of surfaces from volume data"; Drebin, Carpenter & Hanrahan 1988 for what is gathered).
 //!
 //! Values between samples are those of trilinear interpolation, taken in the middle of each of the steps into which
-//! a ray's way through the volume is cut; the last is shorter, and its opacity is corrected to its length, so that
-//! one substance gathers the same at any length of step. A sample that is NaN hides nothing.
+//! a ray's way through the volume is cut, or at both ends of it ([`RaycastOptions::integrated`]); the last is shorter,
+//! and its opacity is corrected to its length, so that one substance gathers the same at any length of step. A sample
+//! that is NaN hides nothing.
 //!
 //! Two things are not computed, and counted: steps in blocks of which no value can be seen (`clear.rs`), which changes
 //! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
@@ -11,15 +12,18 @@
 //!
 //! Values are f32: of samples that are i32, u32 or f64 what differs by less than a ten-millionth is one value.
 //!
-//! What it does not do: colours and opacities change linearly within a step only as far as values do. A transfer
-//! function with peaks narrower than the change of value in one step needs shorter steps.
+//! What it does not do: with the middle of steps a transfer function with peaks narrower than the change of value in
+//! one step needs shorter ones.
 
 mod cloud;
+mod ends;
 mod march;
+mod options;
 mod way;
 
 use crate::{
-    Camera, Gathered, Image, Light, OpticalModel, Size, clear::Clear, gather::OPAQUE,
+    Camera, Gathered, Image, OpticalModel, Size,
+    clear::{Clear, MOST_MARGIN},
     transfer::Lookup,
 };
 use isokit_geom::HalfSpace;
@@ -31,6 +35,7 @@ use way::Ways;
 
 pub(crate) use cloud::Cloud;
 pub use cloud::Scatter;
+pub use options::RaycastOptions;
 use rayon::prelude::*;
 
 /// A volume, and what is seen of it.
@@ -45,96 +50,6 @@ pub struct Medium<'a, T> {
     pub model: &'a OpticalModel,
     /// What is kept of it: what is in all of these.
     pub clips: &'a [HalfSpace],
-}
-
-/// How rays are cast, and samples are laid on each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct RaycastOptions {
-    /// The length of a step, or from sheet to sheet, in units of the smallest spacing. Changes the picture: it is off by
-    /// O(step²) where the transfer function is smooth. Default: 0.5.
-    pub step: f64,
-    /// The length, in world units, over which the opacities of the transfer function are gathered. Changes the
-    /// picture. Default: `None`, the smallest spacing.
-    pub unit: Option<f64>,
-    /// How gradients are lit; `None` leaves colours as they are. Changes the picture. Default:
-    /// [`Light::DEFAULT`].
-    pub light: Option<Light>,
-    /// With so much opacity nothing behind is looked at. Changes the picture, by no more than what is left to 1 in each
-    /// part of a colour (times the strength of light that is scattered, where that is more). Default: 1 − 2⁻¹³, of which
-    /// 8 bits show nothing, in the dark either.
-    pub opaque: f32,
-    /// Whether rays begin with a part of a step, of another length in each pixel: rings that steps leave on smooth things
-    /// become a grain. Changes the picture. For rays alone. Default: false.
-    pub jitter: bool,
-    /// By how much a colour or an opacity may differ from that with steps twice as long: a pixel in which it differs by
-    /// more is cast again with shorter ones, down to a 64th, as long as the three edges of the volume have no more than a
-    /// million of them. Where steps are short enough that the error is of order 2, what is left of it is about a third of
-    /// that. Changes the picture. For rays alone. Default: `None`, all steps are of one length.
-    pub error: Option<f32>,
-    /// Light that particles scatter. Changes the picture. Default: `None`.
-    pub scatter: Option<Scatter>,
-}
-
-impl RaycastOptions {
-    /// The defaults named above.
-    pub const DEFAULT: Self = Self {
-        step: 0.5,
-        unit: None,
-        light: Some(Light::DEFAULT),
-        opaque: OPAQUE,
-        jitter: false,
-        error: None,
-        scatter: None,
-    };
-
-    /// The same options with another `step`.
-    pub const fn with_step(mut self, step: f64) -> Self {
-        self.step = step;
-        self
-    }
-
-    /// The same options with another `unit`.
-    pub const fn with_unit(mut self, unit: Option<f64>) -> Self {
-        self.unit = unit;
-        self
-    }
-
-    /// The same options with another `light`.
-    pub const fn with_light(mut self, light: Option<Light>) -> Self {
-        self.light = light;
-        self
-    }
-
-    /// The same options with another `opaque`.
-    pub const fn with_opaque(mut self, opaque: f32) -> Self {
-        self.opaque = opaque;
-        self
-    }
-
-    /// The same options with `jitter` or without.
-    pub const fn with_jitter(mut self, jitter: bool) -> Self {
-        self.jitter = jitter;
-        self
-    }
-
-    /// The same options with another `error`.
-    pub const fn with_error(mut self, error: Option<f32>) -> Self {
-        self.error = error;
-        self
-    }
-
-    /// The same options with another `scatter`.
-    pub const fn with_scatter(mut self, scatter: Option<Scatter>) -> Self {
-        self.scatter = scatter;
-        self
-    }
-}
-
-impl Default for RaycastOptions {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
 }
 
 /// What was computed for a picture, and what was not.
@@ -231,9 +146,16 @@ impl<'a, T: Sample> Raycaster<'a, T> {
     ) -> Result<Self, RaycastError> {
         let (view, (step, unit)) = (medium.view, lengths(medium.view, options)?);
         exactly(|| {
-            let lookup = Lookup::new(medium.model, step / unit, step);
+            let lookup = looked_up(medium.model, (step, unit), options);
+            // A step may be seen that reaches out of its block with an end.
+            let least = view.frame().index_to_world.least_stretch();
+            let reach = if lookup.has_integrals() { 0.5 * step / least } else { 0.0 };
+            let margin = (reach * (1.0 + 1e-6)).ceil() as usize;
             let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
-            let clear = bricks.map(|bricks| Clear::new(view, bricks, &lookup, job)).transpose()?;
+            let clear = bricks
+                .filter(|_| margin <= MOST_MARGIN)
+                .map(|bricks| Clear::new(view, bricks, (&lookup, margin), job))
+                .transpose()?;
             Ok(Self { medium: *medium, options: *options, step, unit, lookup, clear })
         })
     }
@@ -263,7 +185,7 @@ impl<'a, T: Sample> Raycaster<'a, T> {
         let across = across(medium.view);
         let steps = (1..=MOST_HALVINGS).map(|halving| step / f64::from(1 << halving));
         for step in steps.take_while(|step| across / step <= MOST_STEPS) {
-            let lookup = exactly(|| Lookup::new(medium.model, step / unit, step));
+            let lookup = exactly(|| looked_up(medium.model, (step, *unit), options));
             let mut finer = Image::new(size, &job.limits).map_err(Stopped::from)?;
             finer.pixels_mut().copy_from_slice(image.pixels());
             done = done.with(rays.cast((step, &lookup), Some(&wanted), &mut finer, job)?);
@@ -281,6 +203,16 @@ impl<'a, T: Sample> Raycaster<'a, T> {
         }
         Ok((image, done))
     }
+}
+
+/// A model for steps of such a length.
+fn looked_up<'a>(
+    model: &'a OpticalModel,
+    (step, unit): (f64, f64),
+    options: &RaycastOptions,
+) -> Lookup<'a> {
+    let lookup = Lookup::new(model, step / unit, step);
+    if options.integrated { lookup.with_integrals() } else { lookup }
 }
 
 /// Steps are halved no more often.

@@ -7,6 +7,7 @@
 //! What a place looks like may depend on more than its value (`model.rs`): on how steep values are there (`slopes.rs`),
 //! or on what it is made of (`mixture.rs`). `lookup.rs` has all that ready for many values and one length of step.
 
+mod integral;
 mod lookup;
 mod mixture;
 mod model;

@@ -86,6 +86,8 @@ pub(super) fn of(
                 None | Some(PresetWord::Auto) => Preset::Auto,
                 Some(PresetWord::CtBone) => Preset::CtBone,
                 Some(PresetWord::CtSkin) => Preset::CtSkin,
+                Some(PresetWord::Mr) => Preset::Mr,
+                Some(PresetWord::Density) => Preset::Density,
             };
             Ok(ModelPlan::Preset(preset, fade))
         }
@@ -151,15 +153,22 @@ pub(super) fn raycast(
     mode: ModeWord,
     is_typed: bool,
 ) -> Result<RaycastOptions, UsageError> {
-    let SamplingTable { step, jitter, error } = file.sampling;
+    let SamplingTable { step, jitter, integrated, error } = file.sampling;
     let is_sampled = step.is_some() || file.transfer.as_ref().is_some_and(|t| t.unit.is_some());
     if !is_typed && !mode.shows_values() && is_sampled {
         let says = "[sampling] step and [transfer] unit: expected mode = \"raycast\" or \"splat\"";
         return Err(UsageError(says.into()));
     }
-    if !is_typed && mode != ModeWord::Raycast && (jitter || error.is_some()) {
-        let says = "[sampling] jitter and error: expected mode = \"raycast\"";
+    if !is_typed && mode != ModeWord::Raycast && (jitter || integrated || error.is_some()) {
+        let says = "[sampling] jitter, integrated and error: expected mode = \"raycast\"";
         return Err(UsageError(says.into()));
+    }
+    let table = file.transfer.clone().unwrap_or_default();
+    let has_slopes =
+        table.rows.is_some() || !matches!(table.gradient, None | Some(Fade::Word(false)));
+    if integrated && (has_slopes || file.light.shading == ShadingWord::Mixture) {
+        let says = "[sampling] integrated: expected a function of values alone, found";
+        return Err(UsageError(format!("{says} gradient, rows or materials")));
     }
     if error.is_some_and(|error| !(1e-4..=1.0).contains(&error)) {
         let says = "[sampling] error: expected a share of a colour from 0.0001 to 1";
@@ -194,6 +203,7 @@ pub(super) fn raycast(
         .with_step(step.unwrap_or(RaycastOptions::DEFAULT.step))
         .with_unit(file.transfer.as_ref().and_then(|table| table.unit))
         .with_jitter(jitter)
+        .with_integrated(integrated)
         .with_error(error)
         .with_scatter(scatter))
 }

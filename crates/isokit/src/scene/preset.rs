@@ -5,6 +5,7 @@ use crate::pipeline::{IsoChoice, PipelineError, Scan};
 use isokit_job::Job;
 use isokit_mesh::Rgba;
 use isokit_render::{ControlPoint, TransferFunction};
+use isokit_volume::Histogram;
 
 /// A transfer function by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +18,12 @@ pub enum Preset {
     CtBone,
     /// Skin in Hounsfield units, translucent, with bone behind it.
     CtSkin,
+    /// Tissue of a magnetic resonance image, whose values have no unit: above Otsu's threshold, by how many of the samples
+    /// there are darker; dark ones are a veil.
+    Mr,
+    /// The peaks of a density map, whose values have no unit, by how many standard deviations they are above the mean: from
+    /// 2 on, or less where no value is 6 above it.
+    Density,
 }
 
 impl Preset {
@@ -50,12 +57,64 @@ impl Preset {
                 point(350.0, [0xe8, 0xdc, 0xc0, 120]),
                 point(1200.0, [0xff, 0xfa, 0xf0, 230]),
             ],
+            Self::Mr => {
+                let low = scan.iso(IsoChoice::Auto, job)?;
+                let histogram = scan.histogram(job)?.ok_or(no_values())?;
+                let at = |share| quantile(histogram, low, share);
+                vec![
+                    point(low, [0x90, 0x58, 0x48, 0]),
+                    point(at(0.3), [0xa8, 0x78, 0x68, 8]),
+                    point(at(0.6), [0xc4, 0xa8, 0x98, 50]),
+                    point(at(0.9), [0xec, 0xe0, 0xd4, 160]),
+                    point(at(1.0), [0xff, 0xff, 0xff, 220]),
+                ]
+            }
+            Self::Density => {
+                let histogram = scan.histogram(job)?.ok_or(no_values())?;
+                let (mean, deviation) = moments(histogram);
+                let sixth = deviation.min((histogram.range[1] - mean) / 6.0);
+                let at = |deviations: f64| mean + deviations * sixth;
+                vec![
+                    point(at(2.0), [0x30, 0x60, 0xa8, 0]),
+                    point(at(3.0), [0x58, 0x90, 0xd0, 60]),
+                    point(at(6.0), [0xe8, 0xf2, 0xff, 220]),
+                ]
+            }
         };
         TransferFunction::new(points).map_err(|_| {
             let reason = "its values are too large for a transfer function";
             PipelineError::Iso { choice: IsoChoice::Auto, reason }.into()
         })
     }
+}
+
+fn no_values() -> SceneError {
+    PipelineError::Iso { choice: IsoChoice::Auto, reason: "it has no finite value" }.into()
+}
+
+/// Of the values above `low` the one that so large a share of them is no greater than; never below `low`.
+fn quantile(histogram: &Histogram, low: f64, share: f64) -> f64 {
+    let bins =
+        || histogram.counts.iter().enumerate().map(|(n, count)| (histogram.middle(n), *count));
+    let above = || bins().filter(|(value, _)| *value > low);
+    let all: u64 = above().map(|(_, count)| count).sum();
+    let mut wanted = share * all as f64;
+    let found = above().find(|(_, count)| {
+        wanted -= *count as f64;
+        wanted <= 0.0
+    });
+    found.map_or(histogram.range[1], |(value, _)| value).max(low)
+}
+
+/// Mean and standard deviation.
+fn moments(histogram: &Histogram) -> (f64, f64) {
+    let all = histogram.counts.iter().sum::<u64>() as f64;
+    let mean_of = |of: &dyn Fn(f64) -> f64| {
+        let bins = histogram.counts.iter().enumerate();
+        bins.map(|(n, count)| of(histogram.middle(n)) * *count as f64 / all).sum::<f64>()
+    };
+    let mean = mean_of(&|value| value);
+    (mean, mean_of(&|value| (value - mean).powi(2)).sqrt())
 }
 
 fn point(value: f64, rgba: [u8; 4]) -> ControlPoint {

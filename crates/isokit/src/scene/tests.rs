@@ -206,7 +206,13 @@ fn a_scene_that_does_not_fit_together_is_refused() {
 
 #[test]
 fn every_preset_shows_something_of_a_scan_with_such_values() {
-    for (preset, factor) in [(Preset::Auto, 1.0), (Preset::CtBone, 40.0), (Preset::CtSkin, 40.0)] {
+    for (preset, factor) in [
+        (Preset::Auto, 1.0),
+        (Preset::CtBone, 40.0),
+        (Preset::CtSkin, 40.0),
+        (Preset::Mr, 1e-3),
+        (Preset::Density, 1e9),
+    ] {
         let grid = Grid::new([30; 3], Frame::default()).unwrap();
         let depth = |n: u64| {
             let place = [n % 30, n / 30 % 30, n / 900].map(|i| i as f64 - 14.5);
@@ -225,6 +231,27 @@ fn every_preset_shows_something_of_a_scan_with_such_values() {
     let flat = Grid::new([3; 3], Frame::default()).unwrap();
     let flat = Scan::new(Volume::new(flat, vec![1.0_f32; 27]).unwrap());
     assert!(Preset::Auto.transfer(&flat, &Job::default()).is_err());
+}
+
+#[test]
+fn a_density_map_is_seen_from_two_deviations_on_and_an_image_by_its_own_tissue() {
+    // One in a hundred is 100: the mean is 1, the deviation 9.95.
+    let grid = Grid::new([20, 20, 25], Frame::default()).unwrap();
+    let peaks = (0..grid.count()).map(|n| if n % 100 == 0 { 100.0_f32 } else { 0.0 }).collect();
+    let peaks = Scan::new(Volume::new(grid, peaks).unwrap());
+    let density = Preset::Density.transfer(&peaks, &Job::default()).unwrap();
+    let values: Vec<f64> = density.points().iter().map(|point| point.value).collect();
+    for (value, deviations) in values.into_iter().zip([2.0, 3.0, 6.0]) {
+        assert!((value - (1.0 + deviations * 9.95)).abs() < 0.2, "{deviations}: {value}");
+    }
+    // Air, and tissue from 100 to 199, all alike often.
+    let tissue = (0..grid.count()).map(|n| if n % 2 == 0 { 0 } else { 100 + (n / 2 % 100) as u8 });
+    let image = Scan::new(Volume::new(grid, tissue.collect()).unwrap());
+    let mr = Preset::Mr.transfer(&image, &Job::default()).unwrap();
+    let values: Vec<f64> = mr.points().iter().skip(1).map(|point| point.value).collect();
+    for (value, share) in values.into_iter().zip([0.3, 0.6, 0.9, 1.0]) {
+        assert!((value - (99.0 + 100.0 * share)).abs() <= 1.0, "{share}: {value}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, Cloud, Medium, RaycastOptions, way::Way};
+use super::{Cast, Cloud, Medium, RaycastOptions, ends::Ends, way::Way};
 use crate::{
     Gathered, Light, Trilinear,
     clear::Clear,
@@ -23,21 +23,23 @@ pub(super) struct March<'a, T> {
     covectors: [[f32; 3]; 3],
     /// How long a gradient of length 1 is that is found so.
     rise: f64,
-    lookup: &'a Lookup<'a>,
+    pub(super) lookup: &'a Lookup<'a>,
     /// Where nothing can be seen: as it is, and for leaps.
     clear: Option<(&'a Clear, Blocks<'a>)>,
-    light: Option<Light>,
+    pub(super) light: Option<Light>,
     cloud: Option<&'a Cloud>,
-    opaque: f32,
+    pub(super) opaque: f32,
 }
 
 /// Rays side by side.
 #[derive(Default)]
-struct Front {
-    lines: Lines,
+pub(super) struct Front {
+    pub(super) lines: Lines,
     /// Each to the middle of its next step, of its whole ones.
-    on: OnTheWay,
-    facing: Facing,
+    pub(super) on: OnTheWay,
+    /// What is known of the beginnings of those steps.
+    pub(super) ends: Ends,
+    pub(super) facing: Facing,
     layers: Layers,
     ways: [Way; LINES],
     /// The number of its pixel.
@@ -96,11 +98,14 @@ impl<'a, T: Sample> March<'a, T> {
             }
             let ready = self.lead(&mut front);
             let mut are_opaque = 0;
-            if ready != 0 {
+            looked += u64::from(ready.count_ones());
+            if ready != 0 && self.lookup.has_integrals() {
+                let asked = (between, &table);
+                are_opaque = self.gather_between(asked, ready, &mut front, &mut found);
+            } else if ready != 0 {
                 let places = (&front.lines, &front.on.steps);
                 let facing = self.has_gradients().then_some(&front.facing);
                 between.look(places, ready, &table, facing, &mut found);
-                looked += u64::from(ready.count_ones());
                 if found.seen != 0 {
                     are_opaque = self.gather(&mut found, &mut front);
                 }
@@ -143,21 +148,19 @@ impl<'a, T: Sample> March<'a, T> {
             return Gathered::NOTHING;
         }
         done.steps += 1;
+        let gradient = || self.field.gradient(place);
+        let shaded = |light: Light| light.answer(gradient(), way.towards);
+        let share = self.cloud.map_or(1.0, |cloud| cloud.light(place));
+        if self.lookup.has_integrals() {
+            let ends = [from, to].map(|steps| self.field.at_index(way.at(steps)));
+            return self.between(ends, to - from, self.light.map(shaded)).dimmed(share);
+        }
         let value = self.field.at_index(place);
         if value.is_nan() {
             return Gathered::NOTHING;
         }
-        let share = self.cloud.map_or(1.0, |cloud| cloud.light(place));
-        self.exact(way, place, value, to - from).dimmed(share)
-    }
-
-    fn exact(&self, way: &Way, place: [f64; 3], value: f64, part: f64) -> Gathered {
-        if !self.has_gradients() {
-            return self.lookup.exact([value, 0.0], part, None);
-        }
-        let gradient = self.field.gradient(place);
-        let shade = self.light.map(|light| light.answer(gradient, way.towards));
-        self.lookup.exact([value, length(gradient)], part, shade)
+        let slope = if self.lookup.has_slopes() { length(gradient()) } else { 0.0 };
+        self.lookup.exact([value, slope], to - from, self.light.map(shaded)).dimmed(share)
     }
 
     /// Whether anybody asks for gradients.
@@ -188,9 +191,7 @@ impl<'a, T: Sample> March<'a, T> {
             };
             let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
             let mut next = self.lookup.gathered(place, shade);
-            if let Some(cloud) = self.cloud {
-                next = next.dimmed(cloud.light(front.ways[n].at(front.on.steps[n])));
-            }
+            next = next.dimmed(self.share(front, n));
             let gathered = front.gathered(n).over(next);
             front.set(n, gathered);
             are_opaque |= u16::from(gathered.opacity >= self.opaque) << n;
@@ -198,10 +199,16 @@ impl<'a, T: Sample> March<'a, T> {
         are_opaque
     }
 
+    /// How much light a ray's next step has.
+    #[inline(always)]
+    pub(super) fn share(&self, front: &Front, n: usize) -> f32 {
+        self.cloud.map_or(1.0, |cloud| cloud.light(front.ways[n].at(front.on.steps[n])))
+    }
+
     /// How gradients answer the light, matt and in gloss, if there is one. Of steps in which nothing is seen anything.
     /// Slopes that were not found are put in.
     #[inline(always)]
-    fn shades(&self, found: &mut Found, front: &Front) -> Option<[[f32; LINES]; 2]> {
+    pub(super) fn shades(&self, found: &mut Found, front: &Front) -> Option<[[f32; LINES]; 2]> {
         let mut shades = self.light.map(|light| light.shares(found.cosines));
         let mut odd = found.odd;
         while odd != 0 {
@@ -235,15 +242,16 @@ impl Front {
         (steps[n], until[n], seen[n]) = (0.5, way.steps.floor(), 0.0);
         (self.ways[n], self.pixels[n]) = (way, pixel);
         self.set(n, Gathered::NOTHING);
+        self.ends.begin(n);
     }
 
     /// What a ray has gathered so far.
-    fn gathered(&self, n: usize) -> Gathered {
+    pub(super) fn gathered(&self, n: usize) -> Gathered {
         let [r, g, b, opacity] = &self.layers;
         Gathered { color: [r[n], g[n], b[n]], opacity: opacity[n] }
     }
 
-    fn set(&mut self, n: usize, Gathered { color: [r, g, b], opacity }: Gathered) {
+    pub(super) fn set(&mut self, n: usize, Gathered { color: [r, g, b], opacity }: Gathered) {
         for (layer, part) in self.layers.iter_mut().zip([r, g, b, opacity]) {
             layer[n] = part;
         }

@@ -2,6 +2,7 @@
 
 use super::{
     Mixture, OpticalModel, SlopeFunction, TransferFunction,
+    integral::Integrals,
     slopes::{between, extinction},
 };
 use crate::{Gathered, gather::opacity_over};
@@ -22,6 +23,8 @@ pub(crate) struct Lookup<'a> {
     /// Entries per value.
     scale: f32,
     looks: Looks<'a>,
+    /// What is seen between two values, if that is wanted.
+    integrals: Option<Integrals>,
     /// Of each part whether something is seen in it, and whether it is not as good as linear.
     marks: Box<[u8; PARTS]>,
     /// The first part from each on in which something is seen, or else how many there are.
@@ -125,11 +128,36 @@ impl<'a> Lookup<'a> {
             base,
             scale,
             looks,
+            integrals: None,
             marks: Box::new([0; PARTS]),
             next_seen: Box::new([PARTS as u16; PARTS]),
         };
         lookup.mark(value);
         lookup
+    }
+
+    /// The same, made ready for steps [between](Self::between) two values, if nothing but values counts.
+    #[must_use]
+    pub(crate) fn with_integrals(self) -> Self {
+        let OpticalModel::Values(function) = self.model else { return self };
+        let values = (f64::from(self.base), PARTS as f64 / f64::from(self.scale));
+        Self { integrals: Some(Integrals::new(function, values, PARTS)), ..self }
+    }
+
+    /// Whether steps are looked up by the values at both ends.
+    pub(crate) fn has_integrals(&self) -> bool {
+        self.integrals.is_some()
+    }
+
+    /// What a part of a step looks like whose values change evenly between two numbers, under a light if there is one.
+    /// None if that is not made ready.
+    pub(crate) fn between(
+        &self,
+        ends: [f64; 2],
+        part: f64,
+        shade: Option<[f32; 2]>,
+    ) -> Option<Gathered> {
+        Some(lit(self.integrals.as_ref()?.between(ends, part * self.step), shade))
     }
 
     /// Finds out in which parts something is seen, and which are bent.

@@ -27,7 +27,10 @@ fn leaps_over_what_cannot_be_seen_change_no_bit() {
     let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
     for camera in cameras(&volume) {
         let grained = PLAIN.with_step(0.7).with_jitter(true);
-        for options in [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13), grained] {
+        let integrated = RaycastOptions::DEFAULT.with_step(1.7).with_integrated(true);
+        let fine = PLAIN.with_integrated(true).with_jitter(true);
+        let middles = [PLAIN, RaycastOptions::DEFAULT, PLAIN.with_step(0.13), grained];
+        for options in middles.into_iter().chain([integrated, fine]) {
             let (plain, walked) = picture(&volume, &glow(), (&camera, 60), &options);
             let (leapt, cast) = with(&bricks, &volume, &glow(), (&camera, 60), &options);
             assert!(leapt == plain);

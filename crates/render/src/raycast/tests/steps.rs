@@ -37,6 +37,58 @@ fn rays_that_begin_anywhere_gather_the_same_of_one_substance() {
 }
 
 #[test]
+fn steps_that_are_integrated_are_exact_where_values_change_evenly_along_them() {
+    let ramp = volume([20, 20, 9], 1.5, |[_, _, z]| z as f32);
+    let (from, at) = ([14.0, 14.0, -9.0], [14.0, 14.0, 0.0]);
+    let parallel = Projection::Parallel { height: 20.0 };
+    let camera = Camera::new(from, at, [0.0, 1.0, 0.0], parallel).unwrap();
+    // A step, and a peak that is narrower than any step.
+    let opacity = |value: f64| match value {
+        3.0..5.0 => 0.1,
+        6.0..6.01 => 0.6,
+        _ => 0.0,
+    };
+    let points = [2.99999, 3.0, 4.99999, 5.0, 5.99999, 6.0, 6.00999, 6.01];
+    let points = points.map(|value| ControlPoint {
+        value,
+        color: [value as f32 / 10.0; 3],
+        opacity: opacity(value) as f32,
+    });
+    let model = TransferFunction::new(points.into()).unwrap().into();
+    // Over a length of 1.5 for each value.
+    let exact = 1.0 - 0.9_f64.powf(2.0) * 0.4_f64.powf(0.01);
+    for step in [0.4, 1.0, 2.5, 20.0] {
+        let options = PLAIN.with_step(step).with_integrated(true);
+        for pixel in picture(&ramp, &model, (&camera, 4), &options).0.pixels() {
+            assert!(
+                (f64::from(pixel.opacity) - exact).abs() < 1e-5,
+                "{step}: {pixel:?} for {exact}"
+            );
+        }
+    }
+    let middle = picture(&ramp, &model, (&camera, 4), &PLAIN.with_step(2.5)).0.pixel(0, 0);
+    assert!((f64::from(middle.opacity) - exact).abs() > 1e-2, "{middle:?}");
+}
+
+#[test]
+fn integrated_steps_come_near_to_short_ones_with_fewer_of_them() {
+    let (ball, cameras) = (blobs(), cameras(&blobs()));
+    let peak = opacities([80.0, 90.0], |value| 0.4 - 0.08 * (value - 85.0).abs());
+    for light in [None, RaycastOptions::DEFAULT.light] {
+        let lit = PLAIN.with_light(light);
+        let exact = picture(&ball, &peak, (&cameras[1], 40), &lit.with_step(0.01)).0;
+        let off = |options: &RaycastOptions| {
+            let image = picture(&ball, &peak, (&cameras[1], 40), options).0;
+            let pairs = image.pixels().iter().zip(exact.pixels());
+            pairs.map(|(a, b)| f64::from(a.differs(*b)).powi(2)).sum::<f64>().sqrt()
+        };
+        let (middle, integrated) = (lit.with_step(1.0), lit.with_step(1.0).with_integrated(true));
+        let [middle, integrated] = [off(&middle), off(&integrated)];
+        assert!(integrated < 0.25 * middle, "{integrated} for {middle}");
+    }
+}
+
+#[test]
 fn pixels_are_cast_again_until_no_more_differs_than_the_error() {
     let (ball, cameras) = (blobs(), cameras(&blobs()));
     let model = opacities([0.0, 200.0], |value| 0.4 * (value / 200.0).powi(2));
