@@ -109,11 +109,21 @@ pub(crate) enum CapWord {
 #[serde(deny_unknown_fields)]
 pub(crate) struct TransferTable {
     pub(crate) points: Option<Vec<(f64, Color)>>,
+    /// Values that are seen among others that are not.
+    pub(crate) peaks: Option<Vec<PeakTable>>,
     pub(crate) preset: Option<PresetWord>,
     /// Functions of values at slopes.
     pub(crate) rows: Option<Vec<RowTable>>,
     pub(crate) gradient: Option<Fade>,
     pub(crate) unit: Option<f64>,
+}
+
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PeakTable {
+    pub(crate) value: f64,
+    pub(crate) width: f64,
+    pub(crate) color: Color,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq)]

@@ -32,7 +32,8 @@ A scene file says more than options; each option, where given, comes before what
   surfaces = [\"skin\"]          # default: all, and rays
   cap = \"slice\"                # none, solid, slice: the values there
   [transfer]                   # for mode = \"raycast\", \"splat\" and slices
-  points = [[-1000, \"#00000000\"], [300, \"#e8dcc0c0\"]]   # or preset, or rows = [{ gradient, points }]
+  points = [[-1000, \"#00000000\"], [300, \"#e8dcc0c0\"]]   # or preset, peaks, rows = [{ gradient, points }]
+  # peaks = [{ value = 300, width = 60, color = \"#e8dcc0ff\" }]   # these values, and next to nothing else
   gradient = true              # what is even fades; or the slope from which on nothing does
   unit = 1.0                   # opacities are those over so many world units
   [[material]]                 # for shading = \"mixture\", instead of [transfer] points

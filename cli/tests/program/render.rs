@@ -253,7 +253,7 @@ fn scenes_that_make_no_sense_are_refused_with_their_place() {
         (
             &format!("{volume}[transfer]\npreset = \"auto\"\npoints = [[1, \"#ffffff\"]]\n"),
             Exit::Usage,
-            "either points or a preset",
+            "found several",
         ),
         (&format!("{volume}[[surface]]\niso = 50\nopacity = 1.5\n"), Exit::Usage, "from 0 to 1"),
         (&format!("{volume}[light]\nambient = 2.0\n"), Exit::Usage, "from 0 to 1"),
@@ -281,6 +281,15 @@ fn scenes_that_make_no_sense_are_refused_with_their_place() {
         ),
         (&format!("{volume}[transfer]\ngradient = -1.0\n"), Exit::Usage, "a slope above 0"),
         (&format!("{volume}[transfer]\nrows = []\n"), Exit::Usage, "a row at least"),
+        (
+            &format!(
+                "{volume}[transfer]\npeaks = [{{ value = 40, width = 30, color = \"#ffffff80\" }}, \
+                 {{ value = 50, width = 5, color = \"#ffffff80\" }}]\n"
+            ),
+            Exit::Usage,
+            "peak 2",
+        ),
+        (&format!("{volume}[transfer]\npeaks = []\npoints = []\n"), Exit::Usage, "found several"),
         (&format!("{volume}[light]\nshadows = true\n"), Exit::Usage, "expected surfaces"),
         (&format!("{volume}[light]\nfrom = [1, 0, 0]\n"), Exit::Usage, "add scatter"),
         (&format!("{volume}[light]\nscatter = 1.0\n"), Exit::Usage, "add from"),

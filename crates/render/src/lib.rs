@@ -69,7 +69,7 @@ pub use shading::Channel;
 pub use splat::{Splatted, splat};
 pub use texture::{Pattern, SolidTexture, TextureError};
 pub use transfer::{
-    ControlPoint, Material, Mixture, MixtureError, OpticalModel, SlopeError, SlopeFunction,
+    ControlPoint, Material, Mixture, MixtureError, OpticalModel, Peak, SlopeError, SlopeFunction,
     TransferError, TransferFunction, full_slope,
 };
 pub use trilinear::Trilinear;

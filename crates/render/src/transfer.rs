@@ -55,6 +55,19 @@ impl ControlPoint {
     }
 }
 
+/// A value that is to be seen among others that are not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// The value, where most is seen.
+    pub value: f64,
+    /// Half as much below it and half as much above it nothing is seen any more; above 0.
+    pub width: f64,
+    /// Its colour in linear light, not multiplied by its opacity.
+    pub color: [f32; 3],
+    /// What a ray gathers of the value over the reference length, from 0 to 1.
+    pub opacity: f32,
+}
+
 /// Why points are no transfer function.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -64,7 +77,7 @@ pub enum TransferError {
     Empty,
     /// A value, colour or opacity is out of its range.
     #[error(
-        "point {number} of the transfer function has a value beyond 1e37, or a colour or opacity that is not \
+        "point or peak {number} of the transfer function has a value beyond 1e37, or a colour or opacity that is not \
          from 0 to 1"
     )]
     OutOfRange {
@@ -80,6 +93,19 @@ pub enum TransferError {
         value: f64,
         /// That of the point before.
         before: f64,
+    },
+    /// A peak has no width, or begins before the one before it ends.
+    #[error(
+        "peak {number} of the transfer function, at {value}, is {width} wide: expected a width above 0, and that \
+         it begins no sooner than the peak before it ends"
+    )]
+    Peak {
+        /// Counted from 1.
+        number: usize,
+        /// Its value.
+        value: f64,
+        /// Its width.
+        width: f64,
     },
 }
 
@@ -107,6 +133,34 @@ impl TransferFunction {
             before = point.value;
         }
         Ok(Self { points, is_weighted: false })
+    }
+
+    /// The function that shows some values and what is next to them, in the order of the values, and nothing else: one
+    /// peak emphasises one isosurface, three peaks three (Levoy 1988, "Display of surfaces from volume data", isovalue
+    /// contours). Steps along a ray are longer than such surfaces are thick: see
+    /// [`RaycastOptions::integrated`](crate::RaycastOptions::integrated).
+    ///
+    /// # Errors
+    ///
+    /// If there is no peak, if two overlap, or if a number is out of its range.
+    pub fn of_peaks(peaks: &[Peak]) -> Result<Self, TransferError> {
+        let mut points = vec![];
+        let mut end = f64::NEG_INFINITY;
+        for (number, &Peak { value, width, color, opacity }) in (1..).zip(peaks) {
+            let [low, high] = [-0.5, 0.5].map(|share| value + share * width);
+            if !(low >= end && low < value && value < high) {
+                return Err(TransferError::Peak { number, value, width });
+            }
+            let point = |value, opacity| ControlPoint { value, color, opacity };
+            points.extend([point(low, 0.0), point(value, opacity), point(high, 0.0)]);
+            end = high;
+        }
+        Self::new(points).map_err(|error| match error {
+            TransferError::OutOfRange { number } => {
+                TransferError::OutOfRange { number: (number - 1) / 3 + 1 }
+            }
+            other => other,
+        })
     }
 
     /// The same, but that a colour between two points is theirs in the measure of their opacities: of a point that
@@ -158,7 +212,7 @@ impl TransferFunction {
 
 #[cfg(test)]
 mod tests {
-    use super::{ControlPoint, TransferError, TransferFunction};
+    use super::{ControlPoint, Peak, TransferError, TransferFunction};
 
     fn point(value: f64, shade: f32, opacity: f32) -> ControlPoint {
         ControlPoint { value, color: [shade, 0.5 * shade, 0.0], opacity }
@@ -221,6 +275,34 @@ mod tests {
             ([6.0, 20.0], false),
         ] {
             assert_eq!(hill.shows_any(range), is_shown, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn of_peaks_nothing_is_seen_but_what_is_next_to_their_values() {
+        let peak = |value, width, opacity| Peak { value, width, color: [0.5; 3], opacity };
+        let [first, second] = [peak(10.0, 4.0, 0.8), peak(14.0, 4.0, 0.2)];
+        let function = TransferFunction::of_peaks(&[first, second]).unwrap();
+        let values = [7.9, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 99.0];
+        let expected = [0.0, 0.0, 0.4, 0.8, 0.4, 0.0, 0.1, 0.2, 0.0, 0.0];
+        for (value, opacity) in values.into_iter().zip(expected) {
+            assert!((function.at(value).opacity - opacity).abs() < 1e-6, "{value}");
+        }
+        let refused = |peaks: &[Peak]| TransferFunction::of_peaks(peaks).unwrap_err();
+        assert_eq!(refused(&[]), TransferError::Empty);
+        assert_eq!(
+            refused(&[first, peak(1.0, 2.0, 2.0)]),
+            TransferError::Peak { number: 2, value: 1.0, width: 2.0 }
+        );
+        assert_eq!(
+            refused(&[first, peak(20.0, 2.0, 2.0)]),
+            TransferError::OutOfRange { number: 2 }
+        );
+        for (value, width) in
+            [(13.0, 4.0), (14.0, 0.0), (14.0, -1.0), (f64::NAN, 1.0), (14.0, f64::NAN)]
+        {
+            let found = refused(&[first, peak(value, width, 0.5)]);
+            assert!(matches!(found, TransferError::Peak { number: 2, .. }), "{found:?}");
         }
     }
 

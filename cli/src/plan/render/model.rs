@@ -3,13 +3,13 @@
 use crate::{
     fault::UsageError,
     scene_file::{
-        Color, Fade, LightTable, MaterialTable, ModeWord, PresetWord, RowTable, SamplingTable,
-        SceneFile, ShadingWord, TransferTable,
+        Color, Fade, LightTable, MaterialTable, ModeWord, PeakTable, PresetWord, RowTable,
+        SamplingTable, SceneFile, ShadingWord, TransferTable,
     },
 };
 use isokit::{
     render::{
-        ControlPoint, Light, Material, Mixture, RasterOptions, RaycastOptions, Scatter,
+        ControlPoint, Light, Material, Mixture, Peak, RasterOptions, RaycastOptions, Scatter,
         SlopeFunction, TransferFunction,
     },
     scene::Preset,
@@ -52,7 +52,7 @@ pub(super) fn of(
         }
         if typed.is_some() || (TransferTable { unit: None, ..table }) != TransferTable::default() {
             return refuse(
-                "a mixture looks like its materials: leave out presets, points, rows and gradient",
+                "a mixture looks like its materials: leave out presets, points, peaks, rows and gradient",
             );
         }
         return mixture(&file.material, file.light.surface.unwrap_or(SURFACE));
@@ -69,20 +69,22 @@ pub(super) fn of(
             return Err(UsageError(says));
         }
     };
-    let named = [table.points.is_some(), table.preset.is_some(), table.rows.is_some()];
+    let TransferTable { points, peaks, preset, rows, .. } = &table;
+    let named = [points.is_some(), peaks.is_some(), preset.is_some(), rows.is_some()];
     if named.iter().filter(|is_there| **is_there).count() > 1 {
-        return refuse("[transfer]: expected either points or a preset or rows, found several");
+        return refuse("[transfer]: expected points, peaks, a preset or rows, found several");
     }
-    match (typed, &table.points, &table.rows) {
-        (None, Some(points), _) => {
+    match (typed, points, peaks, rows) {
+        (None, Some(points), ..) => {
             Ok(ModelPlan::Points(function(points, "[transfer] points")?, fade))
         }
-        (None, _, Some(_)) if fade.is_some() => {
+        (None, _, Some(peaks), _) => Ok(ModelPlan::Points(of_peaks(peaks)?, fade)),
+        (None, .., Some(_)) if fade.is_some() => {
             refuse("[transfer]: rows say what slopes look like: leave out gradient")
         }
-        (None, _, Some(rows)) => by_slopes(rows),
+        (None, .., Some(rows)) => by_slopes(rows),
         _ => {
-            let preset = match typed.or(table.preset) {
+            let preset = match typed.or(*preset) {
                 None | Some(PresetWord::Auto) => Preset::Auto,
                 Some(PresetWord::CtBone) => Preset::CtBone,
                 Some(PresetWord::CtSkin) => Preset::CtSkin,
@@ -97,6 +99,15 @@ pub(super) fn of(
 fn function(points: &[(f64, Color)], place: &str) -> Result<TransferFunction, UsageError> {
     let points = points.iter().map(|&(value, Color(rgba))| ControlPoint::new(value, rgba));
     TransferFunction::new(points.collect()).map_err(|error| UsageError(format!("{place}: {error}")))
+}
+
+fn of_peaks(peaks: &[PeakTable]) -> Result<TransferFunction, UsageError> {
+    let peaks = peaks.iter().map(|&PeakTable { value, width, color: Color(rgba) }| {
+        let [r, g, b, opacity] = rgba.to_linear();
+        Peak { value, width, color: [r, g, b], opacity }
+    });
+    let function = TransferFunction::of_peaks(&peaks.collect::<Vec<_>>());
+    function.map_err(|error| UsageError(format!("[transfer] peaks: {error}")))
 }
 
 fn by_slopes(rows: &[RowTable]) -> Result<ModelPlan, UsageError> {
