@@ -48,7 +48,7 @@ impl<'a> Blocks<'a> {
     /// Leads the lines whose bits in `live` are set over blocks in which there is nothing, to a step of which something
     /// may be found. The bits of those that are at such a step, before the last one.
     ///
-    /// With [`ENOUGH`] of them there the others wait, somewhere on their way over nothing.
+    /// With twelve of them there the others wait, somewhere on their way over nothing.
     #[inline]
     pub fn lead(&self, lines: &Lines, live: u16, on: &mut OnTheWay) -> u16 {
         self.lead_at(Level::current(), lines, live, on)
