@@ -34,7 +34,7 @@ use isokit_render::{
     RasterOptions, RaycastOptions, Size, SolidTexture, Splatted, Traced, TransferFunction,
     Trilinear, isocast, rasterize, raycast, splat,
 };
-use isokit_volume::{Bricks, for_any};
+use isokit_volume::for_any;
 
 /// What is to be seen, from where, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -210,12 +210,12 @@ impl Scene {
         let surfaces: Vec<_> = looks.collect();
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
-            let (bricks, field) = (Bricks::of(&view, job)?, Trilinear::new(view));
+            let (bricks, field) = (scan.part_bricks(&view, job)?, Trilinear::new(view));
             let value = |place| field.at(place);
             let caps = Caps::new(self, &value)?;
             let caps = caps.all();
             let scene =
-                Isosurfaces { view: &view, bricks: Some(&bricks), surfaces: &surfaces, caps: &caps };
+                Isosurfaces { view: &view, bricks: Some(bricks), surfaces: &surfaces, caps: &caps };
             Ok(isocast(&scene, (&camera, size), &self.raster, job)?)
         })
     }
@@ -231,8 +231,8 @@ impl Scene {
         let (model, camera, clips) = self.of_values(scan, size)?;
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
-            let bricks = Bricks::of(&view, job)?;
-            let medium = Medium { view: &view, bricks: Some(&bricks), model, clips: &clips };
+            let bricks = scan.part_bricks(&view, job)?;
+            let medium = Medium { view: &view, bricks: Some(bricks), model, clips: &clips };
             Ok(raycast(&medium, (&camera, size), &self.raycast, job)?)
         })
     }
@@ -251,8 +251,8 @@ impl Scene {
         let (model, camera, clips) = self.of_values(scan, size)?;
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
-            let bricks = Bricks::of(&view, job)?;
-            let medium = Medium { view: &view, bricks: Some(&bricks), model, clips: &clips };
+            let bricks = scan.part_bricks(&view, job)?;
+            let medium = Medium { view: &view, bricks: Some(bricks), model, clips: &clips };
             Ok(splat(&medium, (&camera, size), &self.raycast, job)?)
         })
     }

@@ -6,7 +6,7 @@ use crate::pipeline::{
 };
 use isokit_geom::{Aabb, Frame, Space};
 use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
-use isokit_job::{Cancelled, Job};
+use isokit_job::{Cancelled, Job, Stopped};
 use isokit_marching_cubes::{ExtractError, Extracted, Source, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{
@@ -28,6 +28,7 @@ pub struct Scan {
     /// Where an index of the whole volume is kept.
     index_file: Option<BrickFile>,
     bricks: Option<AnyBricks>,
+    part_bricks: OnceLock<AnyBricks>,
     statistics: OnceLock<Statistics>,
     histogram: OnceLock<Option<Histogram>>,
 }
@@ -71,10 +72,17 @@ impl Scan {
         let volume = volume.into();
         // What is in memory is numbered by its address space.
         let part = volume.grid().dims().map(|n| 0..n as usize);
-        let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
-        let (format, notes) = (None, vec![]);
-        let (index_file, bricks) = (None, None);
-        Self { volume, part, format, notes, index_file, bricks, statistics, histogram }
+        Self {
+            volume,
+            part,
+            format: None,
+            notes: vec![],
+            index_file: None,
+            bricks: None,
+            part_bricks: OnceLock::new(),
+            statistics: OnceLock::new(),
+            histogram: OnceLock::new(),
+        }
     }
 
     /// The same scan in another world.
@@ -98,9 +106,10 @@ impl Scan {
         let part = part.map(|range| range.start as usize..range.end as usize);
         Ok(Self {
             part,
+            bricks: None,
+            part_bricks: OnceLock::new(),
             statistics: OnceLock::new(),
             histogram: OnceLock::new(),
-            bricks: None,
             ..self
         })
     }
@@ -167,6 +176,22 @@ impl Scan {
         let found =
             for_any!(&self.volume, volume => Histogram::of(&self.view(volume), &range, job))?;
         Ok(self.histogram.get_or_init(|| found).as_ref())
+    }
+
+    /// Where in the part, of which `view` is, which values are. Found out once.
+    pub(crate) fn part_bricks<T: Sample>(
+        &self,
+        view: &View<'_, T>,
+        job: &Job,
+    ) -> Result<&Bricks<T>, Stopped> {
+        let known = match self.part_bricks.get() {
+            Some(known) => known,
+            None => {
+                let found = Bricks::of(view, job)?.into();
+                self.part_bricks.get_or_init(|| found)
+            }
+        };
+        Ok(known.of().expect("the bricks of a scan are of its own samples"))
     }
 
     /// The isovalue that was meant.

@@ -5,7 +5,7 @@ use crate::pipeline::Scan;
 use isokit_geom::{HalfSpace, vector::dot};
 use isokit_job::Job;
 use isokit_lanes::Side;
-use isokit_volume::{Bricks, Sample, View, for_any};
+use isokit_volume::{Sample, View, for_any};
 use std::ops::Range;
 
 /// What is computed for the surfaces of a scene, and what is not.
@@ -92,7 +92,7 @@ impl Scene {
         let samples = scan.part().iter().map(|range| range.len() as u64).product();
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
-            let (bricks, scaling) = (Bricks::of(&view, job)?, view.scaling());
+            let (bricks, scaling) = (scan.part_bricks(&view, job)?, view.scaling());
             let grid = bricks.grid();
             let is_seen = |brick: &[usize; 3]| {
                 let range = bricks.extents()[grid.number(*brick)].range();
@@ -121,7 +121,7 @@ impl Scene {
         scan: &Scan,
         job: &Job,
     ) -> Result<(u64, u64), SceneError> {
-        let bricks = Bricks::of(view, job)?;
+        let bricks = scan.part_bricks(view, job)?;
         let (grid, corner) = (bricks.grid(), scan.part().map(|range| range.start));
         let thresholds = self.surfaces.iter().zip(needs).filter_map(|(look, need)| {
             let part = need.part.as_ref().ok()?;
