@@ -55,7 +55,7 @@ A scene file says more than options; each option, where given, comes before what
   [sampling]
   step = 0.5                   # of the smallest spacing
   jitter = true                # grain instead of rings
-  integrated = true            # with all values between the ends of a step: no rings, no peak is missed
+  integrated = true            # with all values between those at a step's ends: no rings
   error = 0.004                # shorter steps where a colour differs by more
   [output]
   size = [1024, 1024]

@@ -112,11 +112,11 @@ impl RenderPlan {
             mode,
             surfaces,
             clips,
-            model,
             viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from))?,
             raster: model::raster(&file.light, mode)?
                 .with_smoothing(args.smoothing.unwrap_or_default().into()),
-            raycast: model::raycast(&file, mode, args.mode.is_some())?,
+            raycast: model::raycast(&file, &model, (mode, args.mode.is_some()))?,
+            model,
             size,
             background: background(args.background.or(file.output.background)),
             depth: args.bits.into(),

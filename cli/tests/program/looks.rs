@@ -193,3 +193,15 @@ fn what_would_have_no_effect_is_refused() {
         assert!(ran.exit == Exit::Usage && ran.err.contains(refusal), "{says}: {}", ran.err);
     }
 }
+
+#[test]
+fn a_preset_that_was_typed_may_be_integrated_whatever_the_file_looked_like() {
+    let folder = Folder::with_ball();
+    let scene = "[volume]\npath = \"ball.nii\"\n[transfer]\nrows = [{ gradient = 0, points = [[0, \"#ffffff\"]] }]\n\
+                 [sampling]\nintegrated = true\n[output]\nmode = \"raycast\"\n";
+    fs::write(folder.path("s.toml"), scene).unwrap();
+    let ran = folder.run("render s.toml --size 20x20 -o a.png");
+    assert!(ran.exit == Exit::Usage && ran.err.contains("values alone"), "{}", ran.err);
+    let ran = folder.run("render s.toml --preset auto --size 20x20 -o a.png");
+    assert!(ran.exit == Exit::Done, "{}", ran.err);
+}

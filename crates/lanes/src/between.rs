@@ -34,7 +34,7 @@ pub struct Table<'a> {
     pub base: f32,
     /// Parts per value.
     pub scale: f32,
-    /// Of each part [`SEEN`], or that and [`BENT`], or 0. What is beyond all parts is as in the nearest.
+    /// Of each part [`SEEN`], [`BENT`], both, or 0. What is beyond all parts is as in the nearest.
     pub marks: &'a [u8],
 }
 

@@ -2,7 +2,8 @@
 //!
 //! What comes next is seen through what was gathered: with colours that are multiplied by their opacity,
 //! C′ ← C′ + (1 − α) C′ᵢ and α ← α + (1 − α) αᵢ (Porter & Duff 1984, "Compositing digital images").
-//! There is one text for all levels, and no fused multiply-add, so the bits are the same.
+//! There is one text for all levels, and no fused multiply-add, so the bits are the same. What it is worth is measured by
+//! `scripts/bench_render`.
 
 use crate::{
     LINES, Level,
@@ -76,7 +77,9 @@ impl Task for Lay<'_> {
             opacity = wide.select_f32(are_lines, before + open * next[k], before);
             wide.store_f32(opacity, &mut layers[k]);
         }
-        *self.are_opaque = lines & !opacity.less(wide.f32(self.opaque)).bits();
+        // Never, if it is NaN.
+        let opaque = if self.opaque.is_nan() { f32::INFINITY } else { self.opaque };
+        *self.are_opaque = lines & !opacity.less(wide.f32(opaque)).bits();
     }
 }
 
@@ -108,6 +111,7 @@ mod tests {
                 Next { entries: &entries, parts: &parts, shares: &shares, shades },
                 chance.next() as u16,
             );
+            let opaque = if round % 7 == 0 { f32::NAN } else { 0.75 };
             let mut expected = (before, 0);
             for n in (0..LINES).filter(|n| lines >> n & 1 == 1) {
                 let part = parts[n] as usize;
@@ -122,11 +126,11 @@ mod tests {
                 for k in 0..4 {
                     expected.0[k][n] = before[k][n] + open * own[k];
                 }
-                expected.1 |= u16::from(expected.0[3][n] >= 0.75) << n;
+                expected.1 |= u16::from(expected.0[3][n] >= opaque) << n;
             }
             for &level in Level::available() {
                 let mut layers = before;
-                let are_opaque = next.lay_at(level, lines, &mut layers, 0.75);
+                let are_opaque = next.lay_at(level, lines, &mut layers, opaque);
                 assert_eq!((layers, are_opaque), expected, "{level}");
             }
         }

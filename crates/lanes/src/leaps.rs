@@ -1,6 +1,7 @@
 //! Leaps over blocks of a lattice in which there is nothing to be found, on sixteen lines at a time.
 //!
-//! There is one text for all levels, so that the steps are the same.
+//! There is one text for all levels, so that the steps are the same. What it is worth is measured by
+//! `scripts/bench_render`.
 
 use crate::{
     Level, Lines,
@@ -71,7 +72,7 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Of so many lines that have arrived more is to be gained than of the last ones.
+/// With so many lines that have arrived a round of samples is worth more than to lead the last ones.
 pub const ENOUGH: u32 = 12;
 
 impl OnTheWay {

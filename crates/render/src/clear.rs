@@ -53,18 +53,17 @@ impl Clear {
         let mut reach: Vec<u8> = job.limits.zeroed("blocks of the volume", Some(all))?;
         reach.fill(u8::MAX);
         let looks = Looks { view, scale: Scale::of(view.scaling()), lookup, margin };
-        let [nx, ny, nz] = bricks.grid().counts();
+        let [nx, ny, _] = bricks.grid().counts();
         let layer = |(z, blocks): (usize, &mut [u8])| {
             job.check()?;
             for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
                 // Those beside it too, if they are so near.
-                let near = |n: usize, count: usize| {
-                    let more = usize::from(margin > 0);
-                    n.saturating_sub(more)..(n + more + 1).min(count)
+                let near = |n: usize, axis: usize| {
+                    let more = margin.div_ceil(BLOCKS[axis] * CELLS);
+                    n.saturating_sub(more)..(n + more + 1).min(bricks.grid().counts()[axis])
                 };
-                let mut around = near(z, nz).flat_map(|z| {
-                    near(y, ny).flat_map(move |y| near(x, nx).map(move |x| [x, y, z]))
-                });
+                let mut around = near(z, 2)
+                    .flat_map(|z| near(y, 1).flat_map(move |y| near(x, 0).map(move |x| [x, y, z])));
                 let is_clear =
                     |brick| looks.is_clear(&bricks.extents()[bricks.grid().number(brick)]);
                 if !around.all(is_clear) {
@@ -204,7 +203,7 @@ impl<T: Sample> Looks<'_, T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{CELLS, Clear};
+    use super::{CELLS, Clear, MOST_MARGIN};
     use crate::{ControlPoint, TransferFunction, transfer::Lookup};
     use isokit_job::Job;
     use isokit_volume::{Bricks, Grid, Volume};
@@ -247,15 +246,21 @@ mod tests {
         let band = TransferFunction::new(band.into()).unwrap().into();
         let lookup = Lookup::new(&band, 1.0, 1.0);
         let mut chance = chance();
-        for dims in [[2, 2, 2], [65, 9, 17], [66, 10, 3], [130, 5, 18], [64, 4, 30]] {
+        // In the last one so little is seen that it is bricks away from most blocks.
+        let volumes = [[2, 2, 2], [65, 9, 17], [66, 10, 3], [130, 5, 18], [64, 4, 30]];
+        let volumes = volumes.map(|dims| (dims, 80)).into_iter();
+        for (dims, margin) in volumes
+            .zip([0, 1, 3, 5, 2])
+            .chain([(([6, 6, 190], 900), 9), (([6, 190, 6], 900), MOST_MARGIN)])
+        {
+            let (dims, seldom) = dims;
             let grid = Grid::new(dims, Default::default()).unwrap();
             let mut sample =
-                |_| if chance(80) == 0 { 255 } else { 7 + 80 * (chance(60) == 0) as u8 };
+                |_| if chance(seldom) == 0 { 255 } else { 7 + 80 * (chance(60) == 0) as u8 };
             let volume: Volume<u8> =
                 Volume::new(grid, (0..grid.count()).map(&mut sample).collect()).unwrap();
             let (view, job) = (volume.view(), Job::default());
             let bricks = Bricks::of(&view, &job).unwrap();
-            let margin = chance(4) as usize;
             let clear = Clear::new(&view, &bricks, (&lookup, margin), &job).unwrap();
             let [nx, ny, nz] = clear.counts;
             for n in 0..nx * ny * nz {

@@ -239,6 +239,7 @@ impl<T: Sample> Rays<'_, T> {
         let width = size.width.get() as usize;
         job.progress.begin("render", u64::from(size.height.get()));
         let Some(ways) = Ways::new(medium, (camera, size), step) else {
+            job.progress.advance(u64::from(size.height.get()));
             return Ok(Cast::default());
         };
         let march = March::new(medium, (lookup, clear.as_ref(), cloud), options);

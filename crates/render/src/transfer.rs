@@ -58,9 +58,10 @@ impl ControlPoint {
 /// A value that is to be seen among others that are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// The value, where most is seen.
+    /// The value, where most is seen; its ends are from −10³⁷ to 10³⁷.
     pub value: f64,
-    /// Half as much below it and half as much above it nothing is seen any more; above 0.
+    /// Half as much below it and half as much above it nothing is seen any more; above 0, in the unit of values, and not so
+    /// little that the ends cannot be told from the value.
     pub width: f64,
     /// Its colour in linear light, not multiplied by its opacity.
     pub color: [f32; 3],
@@ -94,18 +95,34 @@ pub enum TransferError {
         /// That of the point before.
         before: f64,
     },
-    /// A peak has no width, or begins before the one before it ends.
+    /// There is no peak.
+    #[error("expected a peak at least")]
+    NoPeak,
+    /// A peak has no ends that can be told from its value.
     #[error(
-        "peak {number} of the transfer function, at {value}, is {width} wide: expected a width above 0, and that \
-         it begins no sooner than the peak before it ends"
+        "peak {number} of the transfer function, at {value}, is {width} wide: expected a finite width above 0, of which \
+         f64 keeps the halves below and above the value"
     )]
-    Peak {
+    Width {
         /// Counted from 1.
         number: usize,
         /// Its value.
         value: f64,
         /// Its width.
         width: f64,
+    },
+    /// A peak begins before the one before it ends.
+    #[error(
+        "peak {number} of the transfer function begins at {begin}, before the one before it ends at {end}: expected \
+         peaks in the order of their values, none in another"
+    )]
+    Overlap {
+        /// Counted from 1.
+        number: usize,
+        /// Where it begins.
+        begin: f64,
+        /// Where the one before ends.
+        end: f64,
     },
 }
 
@@ -144,12 +161,25 @@ impl TransferFunction {
     ///
     /// If there is no peak, if two overlap, or if a number is out of its range.
     pub fn of_peaks(peaks: &[Peak]) -> Result<Self, TransferError> {
+        if peaks.is_empty() {
+            return Err(TransferError::NoPeak);
+        }
         let mut points = vec![];
         let mut end = f64::NEG_INFINITY;
         for (number, &Peak { value, width, color, opacity }) in (1..).zip(peaks) {
-            let [low, high] = [-0.5, 0.5].map(|share| value + share * width);
-            if !(low >= end && low < value && value < high) {
-                return Err(TransferError::Peak { number, value, width });
+            let [begin, high] = [-0.5, 0.5].map(|share| value + share * width);
+            let is_peak = begin < value && value < high && width.is_finite();
+            if !is_peak {
+                return Err(TransferError::Width { number, value, width });
+            }
+            // Decimals that touch, as 0.1 + 0.1 and 0.3 − 0.1, need not after rounding.
+            let rounding = 4.0 * f64::EPSILON * (value.abs() + width);
+            if begin < end - rounding {
+                return Err(TransferError::Overlap { number, begin, end });
+            }
+            let low = begin.max(end);
+            if low >= value {
+                return Err(TransferError::Width { number, value, width });
             }
             let point = |value, opacity| ControlPoint { value, color, opacity };
             points.extend([point(low, 0.0), point(value, opacity), point(high, 0.0)]);
@@ -289,21 +319,38 @@ mod tests {
             assert!((function.at(value).opacity - opacity).abs() < 1e-6, "{value}");
         }
         let refused = |peaks: &[Peak]| TransferFunction::of_peaks(peaks).unwrap_err();
-        assert_eq!(refused(&[]), TransferError::Empty);
-        assert_eq!(
-            refused(&[first, peak(1.0, 2.0, 2.0)]),
-            TransferError::Peak { number: 2, value: 1.0, width: 2.0 }
-        );
+        assert_eq!(refused(&[]), TransferError::NoPeak);
+        for (value, begin) in [(1.0, 0.0), (13.0, 12.0 - 1e-9)] {
+            let found = refused(&[first, peak(value, 2.0 * (value - begin), 2.0)]);
+            assert!(matches!(found, TransferError::Overlap { number: 2, .. }), "{found:?}");
+        }
         assert_eq!(
             refused(&[first, peak(20.0, 2.0, 2.0)]),
             TransferError::OutOfRange { number: 2 }
         );
-        for (value, width) in
-            [(13.0, 4.0), (14.0, 0.0), (14.0, -1.0), (f64::NAN, 1.0), (14.0, f64::NAN)]
-        {
+        let infinite = f64::INFINITY;
+        for (value, width) in [
+            (14.0, 0.0),
+            (14.0, -1.0),
+            (f64::NAN, 1.0),
+            (14.0, f64::NAN),
+            (14.0, infinite),
+            (infinite, 1.0),
+            (1e6, 1e-12),
+        ] {
             let found = refused(&[first, peak(value, width, 0.5)]);
-            assert!(matches!(found, TransferError::Peak { number: 2, .. }), "{found:?}");
+            assert!(matches!(found, TransferError::Width { number: 2, .. }), "{found:?}");
         }
+    }
+
+    #[test]
+    fn peaks_of_decimals_may_touch() {
+        let peak = |value, width| Peak { value, width, color: [0.5; 3], opacity: 0.5 };
+        for n in 1..200 {
+            let [a, b] = [0.1 * f64::from(n), 0.1 * f64::from(n + 2)];
+            TransferFunction::of_peaks(&[peak(a, 0.2), peak(b, 0.2)]).unwrap();
+        }
+        TransferFunction::of_peaks(&[peak(1.1, 0.2), peak(1.3, 0.2)]).unwrap();
     }
 
     #[test]

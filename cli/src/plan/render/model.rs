@@ -161,8 +161,8 @@ fn light(table: &LightTable) -> Result<Option<Light>, UsageError> {
 /// How values are sampled and lit. Of a mode that was typed what the file says for another is left aside.
 pub(super) fn raycast(
     file: &SceneFile,
-    mode: ModeWord,
-    is_typed: bool,
+    model: &ModelPlan,
+    (mode, is_typed): (ModeWord, bool),
 ) -> Result<RaycastOptions, UsageError> {
     let SamplingTable { step, jitter, integrated, error } = file.sampling;
     let is_sampled = step.is_some() || file.transfer.as_ref().is_some_and(|t| t.unit.is_some());
@@ -174,10 +174,8 @@ pub(super) fn raycast(
         let says = "[sampling] jitter, integrated and error: expected mode = \"raycast\"";
         return Err(UsageError(says.into()));
     }
-    let table = file.transfer.clone().unwrap_or_default();
-    let has_slopes =
-        table.rows.is_some() || !matches!(table.gradient, None | Some(Fade::Word(false)));
-    if integrated && (has_slopes || file.light.shading == ShadingWord::Mixture) {
+    let is_of_values = matches!(model, ModelPlan::Points(_, None) | ModelPlan::Preset(_, None));
+    if integrated && !is_of_values {
         let says = "[sampling] integrated: expected a function of values alone, found";
         return Err(UsageError(format!("{says} gradient, rows or materials")));
     }

@@ -59,7 +59,7 @@ impl Preset {
             ],
             Self::Mr => {
                 let low = scan.iso(IsoChoice::Auto, job)?;
-                let histogram = scan.histogram(job)?.ok_or(no_values())?;
+                let histogram = scan.histogram(job)?.ok_or(no_values("it has no finite value"))?;
                 let at = |share| quantile(histogram, low, share);
                 vec![
                     point(low, [0x90, 0x58, 0x48, 0]),
@@ -70,9 +70,12 @@ impl Preset {
                 ]
             }
             Self::Density => {
-                let histogram = scan.histogram(job)?.ok_or(no_values())?;
+                let histogram = scan.histogram(job)?.ok_or(no_values("it has no finite value"))?;
                 let (mean, deviation) = moments(histogram);
                 let sixth = deviation.min((histogram.range[1] - mean) / 6.0);
+                if sixth <= 0.0 {
+                    return Err(no_values("all samples have one value"));
+                }
                 let at = |deviations: f64| mean + deviations * sixth;
                 vec![
                     point(at(2.0), [0x30, 0x60, 0xa8, 0]),
@@ -88,8 +91,8 @@ impl Preset {
     }
 }
 
-fn no_values() -> SceneError {
-    PipelineError::Iso { choice: IsoChoice::Auto, reason: "it has no finite value" }.into()
+fn no_values(reason: &'static str) -> SceneError {
+    PipelineError::Iso { choice: IsoChoice::Auto, reason }.into()
 }
 
 /// Of the values above `low` the one that so large a share of them is no greater than; never below `low`.

@@ -230,7 +230,10 @@ fn every_preset_shows_something_of_a_scan_with_such_values() {
     }
     let flat = Grid::new([3; 3], Frame::default()).unwrap();
     let flat = Scan::new(Volume::new(flat, vec![1.0_f32; 27]).unwrap());
-    assert!(Preset::Auto.transfer(&flat, &Job::default()).is_err());
+    for preset in [Preset::Auto, Preset::Mr, Preset::Density] {
+        let error = preset.transfer(&flat, &Job::default()).unwrap_err().to_string();
+        assert!(error.contains("all samples have one value"), "{preset:?}: {error}");
+    }
 }
 
 #[test]

@@ -107,7 +107,7 @@ fn compare<T: Lane>(
     places: &(Lines, [f64; LINES]),
     (wanted, towards): (u16, [[f32; LINES]; 3]),
 ) {
-    let (dims, marks) = (between.samples.dims(), [SEEN, 0, SEEN | BENT, SEEN, 0]);
+    let (dims, marks) = (between.samples.dims(), [SEEN, BENT, SEEN | BENT, SEEN, 0]);
     let table = Table { slope: -0.5, intercept: 3.0, base: -60.0, scale: 0.03, marks: &marks };
     let covectors = [[0.9, 0.1, 0.0], [-0.1, 0.8, 0.2], [0.3, 0.0, 1.0]];
     let facing = Facing { covectors, towards };

@@ -8,7 +8,8 @@ use crate::{Light, gather::OPAQUE};
 #[non_exhaustive]
 pub struct RaycastOptions {
     /// The length of a step, or from sheet to sheet, in units of the smallest spacing. Changes the picture: it is off by
-    /// O(step²) where the transfer function is smooth. Default: 0.5.
+    /// O(step²) where the transfer function is smooth, and what is thinner in the volume than a step may be missed, so
+    /// that 1 is long. Default: 0.5.
     pub step: f64,
     /// The length, in world units, over which the opacities of the transfer function are gathered. Changes the
     /// picture. Default: `None`, the smallest spacing.
@@ -17,19 +18,21 @@ pub struct RaycastOptions {
     /// [`Light::DEFAULT`].
     pub light: Option<Light>,
     /// With so much opacity nothing behind is looked at. Changes the picture, by no more than what is left to 1 in each
-    /// part of a colour (times the strength of light that is scattered, where that is more). Default: 1 − 2⁻¹³, of which
-    /// 8 bits show nothing, in the dark either.
+    /// part of a colour (times the strength of light that is scattered, where that is more). Above 1, or NaN: all is
+    /// looked at. Default: 1 − 2⁻¹³, of which 8 bits show nothing, in the dark either.
     pub opaque: f32,
     /// Whether rays begin with a part of a step, of another length in each pixel: rings that steps leave on smooth things
     /// become a grain. Changes the picture. For rays alone. Default: false.
     pub jitter: bool,
-    /// Whether a step shows all values between those at its two ends, as if they changed evenly, so that no peak of a
-    /// function of values is missed, and none shows rings, however long steps are. Of functions of more than values the
-    /// middle of a step counts. Changes the picture. For rays alone. Default: false.
+    /// Whether a step shows all values between those at its two ends, as if they changed evenly, so that a peak of a
+    /// function of values that lies between them is not missed, and shows no rings, however narrow it is. If one end has no
+    /// value, the step shows nothing. Light is that of its middle. Of functions of more than values the middle counts.
+    /// Steps that reach over more than 32 samples leap over nothing. Changes the picture. For rays alone. Default:
+    /// false.
     pub integrated: bool,
     /// By how much a colour or an opacity may differ from that with steps twice as long: a pixel in which it differs by
     /// more is cast again with shorter ones, down to a 64th, as long as the three edges of the volume have no more than a
-    /// million of them. Where steps are short enough that the error is of order 2, what is left of it is about a third of
+    /// million of them; from 0 to 1. Where steps are short enough that the error is of order 2, what is left of it is about a third of
     /// that. Changes the picture. For rays alone. Default: `None`, all steps are of one length.
     pub error: Option<f32>,
     /// Light that particles scatter. Changes the picture. Default: `None`.

@@ -2,7 +2,7 @@
 
 use super::{PLAIN, blobs, cameras, glow, medium, picture, size, volume};
 use crate::{
-    Camera, Cast, ControlPoint, Image, Medium, OpticalModel, RaycastOptions, Raycaster,
+    Camera, Cast, ControlPoint, Image, Medium, OpticalModel, Projection, RaycastOptions, Raycaster,
     TransferFunction, raycast,
 };
 use isokit_job::Job;
@@ -40,6 +40,25 @@ fn leaps_over_what_cannot_be_seen_change_no_bit() {
             );
             assert!(cast.steps_leapt > cast.steps, "{cast:?}");
             assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.5), "nothing is seen");
+        }
+    }
+}
+
+#[test]
+fn long_integrated_steps_see_what_lies_bricks_away() {
+    let wall = volume([12, 12, 70], 1.0, |[.., z]| if z > 40.0 { 100.0_f32 } else { 0.0 });
+    let bricks = Bricks::of(&wall.view(), &Job::default()).unwrap();
+    let points = [(0.0, 0.0), (50.0, 0.0), (100.0, 0.02)];
+    let point = |(value, opacity)| ControlPoint { value, color: [1.0; 3], opacity };
+    let model = TransferFunction::new(points.map(point).into()).unwrap().into();
+    for n in 0..40 {
+        let (from, at) = ([5.5, 5.5, -10.0 - 0.9 * f64::from(n)], [5.5, 5.5, 35.0]);
+        let parallel = Projection::Parallel { height: 10.0 };
+        let camera = Camera::new(from, at, [0.0, 1.0, 0.0], parallel).unwrap();
+        for step in [18.0, 24.0, 31.0] {
+            let options = PLAIN.with_step(step).with_integrated(true).with_jitter(n > 0);
+            let plain = picture(&wall, &model, (&camera, 4 + n), &options).0;
+            assert!(with(&bricks, &wall, &model, (&camera, 4 + n), &options).0 == plain, "{step}");
         }
     }
 }

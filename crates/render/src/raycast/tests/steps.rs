@@ -131,6 +131,40 @@ fn scattered_light_leaves_what_lies_in_shadow_dark() {
 }
 
 #[test]
+fn integrated_steps_scatter_what_light_comes_to_them() {
+    let fog = volume([24, 24, 24], 1.0, |_| 1_u8);
+    let model = opacities([0.0, 10.0], |_| 0.15);
+    let camera = &cameras(&fog)[1];
+    let scatter = Scatter { from: [0.3, 1.0, 0.0], strength: 1.0, ambient: 0.1, ahead: 0.0 };
+    let middle = PLAIN.with_scatter(Some(scatter));
+    let [middle, integrated] = [middle, middle.with_integrated(true)]
+        .map(|options| picture(&fog, &model, (camera, 30), &options).0);
+    let plain = picture(&fog, &model, (camera, 30), &PLAIN).0;
+    let mut darker = 0;
+    for ((middle, integrated), plain) in
+        middle.pixels().iter().zip(integrated.pixels()).zip(plain.pixels())
+    {
+        assert!(middle.differs(*integrated) < 1e-5, "{middle:?}, {integrated:?}");
+        darker += usize::from(integrated.color[0] < 0.7 * plain.color[0]);
+    }
+    assert!(darker > 100, "{darker}");
+}
+
+#[test]
+fn integrated_steps_that_end_where_no_number_is_show_nothing() {
+    let slab = volume([5, 5, 21], 1.0, |[.., z]| if z == 10.0 { f32::NAN } else { 60.0 });
+    let model = opacities([0.0, 100.0], |_| 0.1);
+    let camera =
+        Camera::framing(slab.grid().bounds(), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]), None, 1.0)
+            .unwrap();
+    let options = PLAIN.with_step(0.5).with_integrated(true);
+    let found = picture(&slab, &model, (&camera, 9), &options).0.pixel(4, 4);
+    // Values are between numbers alone below 9 and from 11 to 20: the step that ends at 9 has none there.
+    let expected = 1.0 - 0.9_f32.powf(8.5 + 9.0);
+    assert!((found.opacity - expected).abs() < 1e-5, "{found:?} for {expected}");
+}
+
+#[test]
 fn steps_are_halved_no_more_often_than_there_may_be_steps() {
     let ramp = volume([2; 3], 1.0, |[_, _, z]| z as f32);
     let model = opacities([0.0, 1.0], |value| 0.5 + 0.3 * value * value);
