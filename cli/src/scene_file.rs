@@ -247,6 +247,17 @@ pub(crate) struct SamplingTable {
     #[serde(default)]
     pub(crate) integrated: bool,
     pub(crate) error: Option<f32>,
+    #[serde(default)]
+    pub(crate) kernel: KernelWord,
+}
+
+/// How values between samples are made of them.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum KernelWord {
+    #[default]
+    Linear,
+    CatmullRom,
 }
 
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]

@@ -54,6 +54,7 @@ A scene file says more than options; each option, where given, comes before what
   scatter = 1.0                # of values: what particles scatter of it; ahead = 0.3: to where it goes
   [sampling]
   step = 0.5                   # of the smallest spacing
+  kernel = \"catmull-rom\"       # smooth between samples; default linear
   jitter = true                # grain instead of rings
   integrated = true            # with all values between those at a step's ends: no rings
   error = 0.004                # shorter steps where a colour differs by more

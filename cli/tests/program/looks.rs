@@ -38,7 +38,7 @@ fn values_are_seen_by_slopes_as_materials_and_by_splats() {
         }
     }
     let cloud = "[light]\nshading = \"none\"\nfrom = [0, 1, 1]\nscatter = 1.0\nahead = 0.3\n";
-    let fine = "[sampling]\njitter = true\nerror = 0.01\n";
+    let fine = "[sampling]\nkernel = \"catmull-rom\"\njitter = true\nerror = 0.01\n";
     fs::write(folder.path("s.toml"), format!("{volume}{cloud}{fine}")).unwrap();
     folder.done("render s.toml -o a.png --report r.json");
     assert!(folder.json("r.json")["skipped"]["pixels_refined"].as_u64().unwrap() > 1000);
@@ -186,6 +186,7 @@ fn what_would_have_no_effect_is_refused() {
             "values alone",
         ),
         ("[sampling]\nintegrated = true\n[output]\nmode = \"splat\"\n", "integrated"),
+        ("[sampling]\nkernel = \"catmull-rom\"\n[output]\nmode = \"splat\"\n", "kernel"),
     ] {
         let scene = "[volume]\npath = \"ball.nii\"\n[[surface]]\niso = 50\ncolor = \"#ffffff\"\n";
         fs::write(folder.path("s.toml"), format!("{scene}{says}")).unwrap();

@@ -3,8 +3,8 @@
 //! Along each axis the function is the cubic through the four nearest samples, so in space it is the tensor
 //! product of three such cubics, made of 64 samples. On an edge of the lattice it is the cubic of
 //! `Placement::Cubic` in `marching-cubes`: vertices placed by that lie on its surface, to the last digits.
-//! That is why it is this kernel and not Catmull & Rom's, which has a continuous gradient but errors of
-//! O(h³) where these are O(h⁴). Across faces of cells the value is continuous and the gradient is not, by as
+//! That is why it is this kernel and not Catmull & Rom's ([`Sampled::catmull_rom`]), which has a continuous gradient but
+//! errors of O(h³) where these are O(h⁴). Across faces of cells the value is continuous and the gradient is not, by as
 //! much as it is wrong. Of samples h apart of a smooth function the value is off by O(h⁴), the gradient by
 //! O(h³), the Hessian by O(h²), in units of the world.
 //!
@@ -12,7 +12,7 @@
 
 use crate::{
     Jet, ScalarField, Slope,
-    kernel::{Stencil, WIDTH, samples},
+    kernel::{Cubic, Stencil, WIDTH, samples, stretch},
 };
 use isokit_geom::Affine;
 use isokit_volume::{Dtype, Sample, View};
@@ -21,17 +21,31 @@ use isokit_volume::{Dtype, Sample, View};
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled<'a, T> {
     view: View<'a, T>,
+    cubic: Cubic,
 }
 
 impl<'a, T: Sample> Sampled<'a, T> {
     /// The function through the samples of `view`.
     pub fn new(view: View<'a, T>) -> Self {
-        Self { view }
+        Self { view, cubic: Cubic::Lagrange }
+    }
+
+    /// Another function through the samples of `view`, with a continuous gradient: in each cell along each axis the cubic
+    /// that rises at a sample as from the one before to the one after (Catmull & Rom 1974, "A class of local interpolating
+    /// splines"). Values are off by O(h³), gradients by O(h²).
+    pub fn catmull_rom(view: View<'a, T>) -> Self {
+        Self { view, cubic: Cubic::CatmullRom }
+    }
+
+    /// How far a value of a cell may be from the middle of the range of the samples that it is made of, the cell's corners
+    /// and those around, where half of the range is 1; more if the cell is at the border of the volume.
+    pub fn growth(is_border: bool) -> f64 {
+        stretch(is_border).powi(3)
     }
 
     fn stencils(&self, ijk: [f64; 3]) -> [Stencil; 3] {
         let dims = self.view.dims();
-        std::array::from_fn(|axis| Stencil::at(ijk[axis], dims[axis]))
+        std::array::from_fn(|axis| Stencil::at(self.cubic, ijk[axis], dims[axis]))
     }
 
     /// The stored samples of a stencil by their places along y, x and z; 0 where the volume has fewer.

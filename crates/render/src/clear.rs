@@ -1,6 +1,7 @@
 //! Where nothing can be seen.
 
 use crate::transfer::{Lookup, Scale};
+use isokit_field::Sampled;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, words};
 use isokit_volume::{Bricks, Sample, View};
@@ -31,13 +32,20 @@ struct Looks<'a, T> {
     view: &'a View<'a, T>,
     scale: Scale,
     lookup: &'a Lookup<'a>,
-    /// How many samples around a block may be seen in it.
-    margin: usize,
+    around: Around,
+}
+
+/// What else than the samples of a cell may be seen in it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Around {
+    /// Samples so many places away, no more than [`MOST_MARGIN`].
+    pub(crate) margin: usize,
+    /// Values beyond those of samples: what is between them is cubic.
+    pub(crate) is_cubic: bool,
 }
 
 impl Clear {
-    /// Of the bricks of which something can be seen the samples are looked at once more, block by block; with so many
-    /// samples around it, no more than [`MOST_MARGIN`], if more than places in it may be seen there.
+    /// Of the bricks of which something can be seen the samples are looked at once more, block by block.
     ///
     /// # Errors
     ///
@@ -45,28 +53,36 @@ impl Clear {
     pub(crate) fn new<T: Sample>(
         view: &View<'_, T>,
         bricks: &Bricks<T>,
-        (lookup, margin): (&Lookup<'_>, usize),
+        (lookup, around): (&Lookup<'_>, Around),
         job: &Job,
     ) -> Result<Self, Stopped> {
         let counts = view.dims().map(|n| (n - 1).div_ceil(CELLS).max(1));
         let all = counts.iter().map(|&n| n as u64).product();
         let mut reach: Vec<u8> = job.limits.zeroed("blocks of the volume", Some(all))?;
         reach.fill(u8::MAX);
-        let looks = Looks { view, scale: Scale::of(view.scaling()), lookup, margin };
+        let looks = Looks { view, scale: Scale::of(view.scaling()), lookup, around };
         let [nx, ny, _] = bricks.grid().counts();
         let layer = |(z, blocks): (usize, &mut [u8])| {
             job.check()?;
             for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
                 // Those beside it too, if they are so near.
                 let near = |n: usize, axis: usize| {
-                    let more = margin.div_ceil(BLOCKS[axis] * CELLS);
+                    let more = around.margin.div_ceil(BLOCKS[axis] * CELLS);
                     n.saturating_sub(more)..(n + more + 1).min(bricks.grid().counts()[axis])
                 };
-                let mut around = near(z, 2)
+                let mut bricks_near = near(z, 2)
                     .flat_map(|z| near(y, 1).flat_map(move |y| near(x, 0).map(move |x| [x, y, z])));
-                let is_clear =
-                    |brick| looks.is_clear(&bricks.extents()[bricks.grid().number(brick)]);
-                if !around.all(is_clear) {
+                let extent = |brick| bricks.extents()[bricks.grid().number(brick)];
+                // Bricks share samples, so that what is clear in each is clear in all; but not beyond their values.
+                let is_clear = match around.is_cubic {
+                    true => {
+                        let all = bricks_near.map(extent).reduce(|a, b| a.with(b));
+                        let is_border = on_border([x, y, z], bricks.grid().counts());
+                        all.is_none_or(|all| looks.is_clear(&all, is_border))
+                    }
+                    false => bricks_near.all(|brick| looks.is_clear(&extent(brick), false)),
+                };
+                if !is_clear {
                     looks.look_into([x, y, z], counts, blocks);
                 }
             }
@@ -134,6 +150,11 @@ impl Clear {
     }
 }
 
+/// Whether one of so many things along each axis is at a border of them.
+fn on_border(place: [usize; 3], counts: [usize; 3]) -> bool {
+    (0..3).any(|axis| place[axis] == 0 || place[axis] + 1 == counts[axis])
+}
+
 /// A row's reaches are no more than one more than those beside it, and diagonally, in other rows.
 fn take_in(row: &mut [u8], around: &[u8]) {
     for x in 0..row.len() {
@@ -155,9 +176,17 @@ fn follow<'a>(row: impl Iterator<Item = &'a mut u8>) {
 impl<T: Sample> Looks<'_, T> {
     /// A value between samples is between their least and greatest, but for the rounding of three
     /// interpolations, one after another; so what holds them is clear if the lookup shows nothing from there to there.
-    fn is_clear(&self, extent: &Extent<T>) -> bool {
+    /// Cubics lead beyond.
+    fn is_clear(&self, extent: &Extent<T>, is_border: bool) -> bool {
         let Some(range) = extent.range() else { return true }; // all samples are NaN
-        let [least, greatest] = range.map(|end| end.to_f64() as f32);
+        let [mut least, mut greatest] = range.map(Sample::to_f64);
+        if self.around.is_cubic {
+            let beyond = 0.5 * (Sampled::<T>::growth(is_border) - 1.0) * (greatest - least);
+            // Of infinite samples there is no cubic.
+            let beyond = if beyond.is_finite() { beyond } else { 0.0 };
+            (least, greatest) = (least - beyond, greatest + beyond);
+        }
+        let [least, greatest] = [least, greatest].map(|end| end as f32);
         let slack = 8.0 * f32::EPSILON * least.abs().max(greatest.abs());
         let [a, b] = [least - slack, greatest + slack].map(|stored| self.scale.value(stored));
         self.lookup.is_clear([a.min(b), a.max(b)])
@@ -169,8 +198,8 @@ impl<T: Sample> Looks<'_, T> {
         let first = [0, 1, 2].map(|axis| brick[axis] * BLOCKS[axis]);
         // The samples of so many blocks from one on, with those on the far side, and those around.
         let of = |axis: usize, block: usize, more: usize| {
-            (block * CELLS).saturating_sub(self.margin)
-                ..((block + more) * CELLS + 1 + self.margin).min(dims[axis])
+            (block * CELLS).saturating_sub(self.around.margin)
+                ..((block + more) * CELLS + 1 + self.around.margin).min(dims[axis])
         };
         let along_x = of(0, first[0], BLOCKS[0]);
         let mut scratch = vec![];
@@ -193,7 +222,7 @@ impl<T: Sample> Looks<'_, T> {
                 if end > WORD {
                     extent = extent.with(columns[1].some(begin.max(WORD) - WORD..end - WORD));
                 }
-                if !self.is_clear(&extent) {
+                if !self.is_clear(&extent, on_border([n, y, z], counts)) {
                     *reach = 0;
                 }
             }
@@ -203,7 +232,7 @@ impl<T: Sample> Looks<'_, T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{CELLS, Clear, MOST_MARGIN};
+    use super::{Around, CELLS, Clear, MOST_MARGIN};
     use crate::{ControlPoint, TransferFunction, transfer::Lookup};
     use isokit_job::Job;
     use isokit_volume::{Bricks, Grid, Volume};
@@ -261,7 +290,9 @@ mod tests {
                 Volume::new(grid, (0..grid.count()).map(&mut sample).collect()).unwrap();
             let (view, job) = (volume.view(), Job::default());
             let bricks = Bricks::of(&view, &job).unwrap();
-            let clear = Clear::new(&view, &bricks, (&lookup, margin), &job).unwrap();
+            let clear =
+                Clear::new(&view, &bricks, (&lookup, Around { margin, is_cubic: false }), &job)
+                    .unwrap();
             let [nx, ny, nz] = clear.counts;
             for n in 0..nx * ny * nz {
                 let block = [n % nx, n / nx % ny, n / nx / ny];

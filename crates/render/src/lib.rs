@@ -64,7 +64,9 @@ pub use isocast::{Isosurface, Isosurfaces, Traced, isocast};
 pub use light::Light;
 pub use png::{Depth, PngError, write_channel_png, write_png};
 pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
-pub use raycast::{Cast, Medium, RaycastError, RaycastOptions, Raycaster, Scatter, raycast};
+pub use raycast::{
+    Cast, Kernel, Medium, RaycastError, RaycastOptions, Raycaster, Scatter, raycast,
+};
 pub use shading::Channel;
 pub use splat::{Splatted, splat};
 pub use texture::{Pattern, SolidTexture, TextureError};

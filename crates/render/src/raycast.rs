@@ -1,10 +1,10 @@
 //! Volume ray casting: along the ray of each pixel the colours and opacities of values are gathered, front to back
 //! (Levoy 1988, "Display of surfaces from volume data"; Drebin, Carpenter & Hanrahan 1988 for what is gathered).
 //!
-//! Values between samples are those of trilinear interpolation, taken in the middle of each of the steps into which
-//! a ray's way through the volume is cut, or at both ends of it ([`RaycastOptions::integrated`]); the last is shorter,
-//! and its opacity is corrected to its length, so that one substance gathers the same at any length of step. A sample
-//! that is NaN hides nothing.
+//! Values between samples are those of trilinear interpolation, or of cubics (`cubic.rs`), taken in the middle of each of
+//! the steps into which a ray's way through the volume is cut, or at both ends of it ([`RaycastOptions::integrated`]); the
+//! last is shorter, and its opacity is corrected to its length, so that one substance gathers the same at any length of
+//! step. A sample that is NaN hides nothing.
 //!
 //! Two things are not computed, and counted: steps in blocks of which no value can be seen (`clear.rs`), which changes
 //! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
@@ -16,6 +16,7 @@
 //! one step needs shorter ones.
 
 mod cloud;
+mod cubic;
 mod ends;
 mod march;
 mod options;
@@ -23,7 +24,7 @@ mod way;
 
 use crate::{
     Camera, Gathered, Image, OpticalModel, Size,
-    clear::{Clear, MOST_MARGIN},
+    clear::{Around, Clear, MOST_MARGIN},
     transfer::Lookup,
 };
 use isokit_geom::HalfSpace;
@@ -35,7 +36,7 @@ use way::Ways;
 
 pub(crate) use cloud::Cloud;
 pub use cloud::Scatter;
-pub use options::RaycastOptions;
+pub use options::{Kernel, RaycastOptions};
 use rayon::prelude::*;
 
 /// A volume, and what is seen of it.
@@ -150,11 +151,13 @@ impl<'a, T: Sample> Raycaster<'a, T> {
             // A step may be seen that reaches out of its block with an end.
             let least = view.frame().index_to_world.least_stretch();
             let reach = if lookup.has_integrals() { 0.5 * step / least } else { 0.0 };
-            let margin = (reach * (1.0 + 1e-6)).ceil() as usize;
+            let is_cubic = options.kernel == Kernel::CatmullRom;
+            let margin = (reach * (1.0 + 1e-6)).ceil() as usize + usize::from(is_cubic);
+            let around = Around { margin, is_cubic };
             let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
             let clear = bricks
                 .filter(|_| margin <= MOST_MARGIN)
-                .map(|bricks| Clear::new(view, bricks, (&lookup, margin), job))
+                .map(|bricks| Clear::new(view, bricks, (&lookup, around), job))
                 .transpose()?;
             Ok(Self { medium: *medium, options: *options, step, unit, lookup, clear })
         })

@@ -20,7 +20,7 @@ mod tile;
 
 use crate::{
     Camera, Gathered, Image, Medium, RaycastError, RaycastOptions, Size, Trilinear,
-    clear::{CELLS, Clear},
+    clear::{Around, CELLS, Clear},
     raycast::{Cloud, lengths},
     transfer::Lookup,
 };
@@ -82,7 +82,9 @@ pub fn splat<T: Sample>(
         let cloud = Cloud::new(medium, unit, (options.scatter, camera), job)?;
         let lookup = Lookup::new(medium.model, step / unit, step);
         let bricks = medium.bricks.filter(|bricks| bricks.grid().dims() == view.dims());
-        let clear = bricks.map(|bricks| Clear::new(view, bricks, (&lookup, 0), job)).transpose()?;
+        let clear = bricks
+            .map(|bricks| Clear::new(view, bricks, (&lookup, Around::default()), job))
+            .transpose()?;
         // Around what can be seen: what gives to it, and what gives to its neighbours on and across sheets.
         let reach = ((2.0 * sheets.reach() + sheets.pitch()) / CELLS as f64).ceil();
         let near = (reach < f64::from(u8::MAX)).then_some(reach as u8); // or else all

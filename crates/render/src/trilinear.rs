@@ -174,7 +174,8 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         [rise(line, x), along_y, along_z].map(|rise| 0.5 * rise * self.view.scaling().slope())
     }
 
-    fn in_world(&self, part: Vector) -> Vector {
+    /// A gradient in index space, in the world.
+    pub(crate) fn in_world(&self, part: Vector) -> Vector {
         let columns = &self.covectors;
         std::array::from_fn(|k| {
             columns[0][k] * part[0] + columns[1][k] * part[1] + columns[2][k] * part[2]

@@ -3,14 +3,14 @@
 use crate::{
     fault::UsageError,
     scene_file::{
-        Color, Fade, LightTable, MaterialTable, ModeWord, PeakTable, PresetWord, RowTable,
-        SamplingTable, SceneFile, ShadingWord, TransferTable,
+        Color, Fade, KernelWord, LightTable, MaterialTable, ModeWord, PeakTable, PresetWord,
+        RowTable, SamplingTable, SceneFile, ShadingWord, TransferTable,
     },
 };
 use isokit::{
     render::{
-        ControlPoint, Light, Material, Mixture, Peak, RasterOptions, RaycastOptions, Scatter,
-        SlopeFunction, TransferFunction,
+        ControlPoint, Kernel, Light, Material, Mixture, Peak, RasterOptions, RaycastOptions,
+        Scatter, SlopeFunction, TransferFunction,
     },
     scene::Preset,
 };
@@ -164,14 +164,15 @@ pub(super) fn raycast(
     model: &ModelPlan,
     (mode, is_typed): (ModeWord, bool),
 ) -> Result<RaycastOptions, UsageError> {
-    let SamplingTable { step, jitter, integrated, error } = file.sampling;
+    let SamplingTable { step, jitter, integrated, error, kernel } = file.sampling;
     let is_sampled = step.is_some() || file.transfer.as_ref().is_some_and(|t| t.unit.is_some());
     if !is_typed && !mode.shows_values() && is_sampled {
         let says = "[sampling] step and [transfer] unit: expected mode = \"raycast\" or \"splat\"";
         return Err(UsageError(says.into()));
     }
-    if !is_typed && mode != ModeWord::Raycast && (jitter || integrated || error.is_some()) {
-        let says = "[sampling] jitter, integrated and error: expected mode = \"raycast\"";
+    let is_of_rays = jitter || integrated || error.is_some() || kernel != KernelWord::Linear;
+    if !is_typed && mode != ModeWord::Raycast && is_of_rays {
+        let says = "[sampling] jitter, integrated, error and kernel: expected mode = \"raycast\"";
         return Err(UsageError(says.into()));
     }
     let is_of_values = matches!(model, ModelPlan::Points(_, None) | ModelPlan::Preset(_, None));
@@ -211,6 +212,10 @@ pub(super) fn raycast(
         .with_light(light(&file.light)?)
         .with_step(step.unwrap_or(RaycastOptions::DEFAULT.step))
         .with_unit(file.transfer.as_ref().and_then(|table| table.unit))
+        .with_kernel(match kernel {
+            KernelWord::Linear => Kernel::Linear,
+            KernelWord::CatmullRom => Kernel::CatmullRom,
+        })
         .with_jitter(jitter)
         .with_integrated(integrated)
         .with_error(error)

@@ -3,12 +3,13 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, Cloud, Medium, RaycastOptions, ends::Ends, way::Way};
+use super::{Cast, Cloud, Kernel, Medium, RaycastOptions, ends::Ends, way::Way};
 use crate::{
     Gathered, Light, Trilinear,
     clear::Clear,
     transfer::{Lookup, Place, Scale},
 };
+use isokit_field::Sampled;
 use isokit_geom::vector::length;
 use isokit_lanes::{Between, Blocks, Facing, Found, LINES, Layers, Lines, Next, OnTheWay};
 use isokit_volume::Sample;
@@ -16,7 +17,9 @@ use isokit_volume::Sample;
 /// All that rays have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct March<'a, T> {
-    field: Trilinear<'a, T>,
+    pub(super) field: Trilinear<'a, T>,
+    /// What is between samples, if that is not linear.
+    pub(super) cubic: Option<Sampled<'a, T>>,
     /// None where no ray has a way through: there are no cells.
     between: Option<Between<'a, T>>,
     /// What takes a gradient in index space to the direction that it has in the world.
@@ -41,7 +44,7 @@ pub(super) struct Front {
     pub(super) ends: Ends,
     pub(super) facing: Facing,
     layers: Layers,
-    ways: [Way; LINES],
+    pub(super) ways: [Way; LINES],
     /// The number of its pixel.
     pixels: [usize; LINES],
     /// The bits of those that are on their way.
@@ -55,7 +58,11 @@ impl<'a, T: Sample> March<'a, T> {
         options: &RaycastOptions,
     ) -> Self {
         let field = Trilinear::new(*medium.view);
-        let RaycastOptions { light, opaque, .. } = *options;
+        let RaycastOptions { light, opaque, kernel, .. } = *options;
+        let cubic = match kernel {
+            Kernel::Linear => None,
+            Kernel::CatmullRom => Some(Sampled::catmull_rom(*medium.view)),
+        };
         let clear = clear.and_then(|clear| Some((clear, clear.blocks()?)));
         let between = medium.view.samples().and_then(Between::new);
         let columns = [0, 1, 2].map(|axis| field.across(axis));
@@ -63,7 +70,7 @@ impl<'a, T: Sample> March<'a, T> {
         let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
         // Differences are over two samples.
         let rise = 0.5 * greatest * medium.view.scaling().slope().abs();
-        Self { field, between, covectors, rise, lookup, clear, light, cloud, opaque }
+        Self { field, cubic, between, covectors, rise, lookup, clear, light, cloud, opaque }
     }
 
     /// What rays gather on their ways, each with the number of its pixel.
@@ -99,7 +106,9 @@ impl<'a, T: Sample> March<'a, T> {
             let ready = self.lead(&mut front);
             let mut are_opaque = 0;
             looked += u64::from(ready.count_ones());
-            if ready != 0 && self.lookup.has_integrals() {
+            if self.cubic.is_some() {
+                are_opaque = self.gather_cubic(ready, &mut front);
+            } else if ready != 0 && self.lookup.has_integrals() {
                 let asked = (between, &table);
                 are_opaque = self.gather_between(asked, ready, &mut front, &mut found);
             } else if ready != 0 {
@@ -148,14 +157,14 @@ impl<'a, T: Sample> March<'a, T> {
             return Gathered::NOTHING;
         }
         done.steps += 1;
-        let gradient = || self.field.gradient(place);
+        let gradient = || self.gradient(place);
         let shaded = |light: Light| light.answer(gradient(), way.towards);
         let share = self.cloud.map_or(1.0, |cloud| cloud.light(place));
         if self.lookup.has_integrals() {
-            let ends = [from, to].map(|steps| self.field.at_index(way.at(steps)));
+            let ends = [from, to].map(|steps| self.value(way.at(steps)));
             return self.between(ends, to - from, self.light.map(shaded)).dimmed(share);
         }
-        let value = self.field.at_index(place);
+        let value = self.value(place);
         if value.is_nan() {
             return Gathered::NOTHING;
         }
@@ -164,7 +173,7 @@ impl<'a, T: Sample> March<'a, T> {
     }
 
     /// Whether anybody asks for gradients.
-    fn has_gradients(&self) -> bool {
+    pub(super) fn has_gradients(&self) -> bool {
         self.light.is_some() || self.lookup.has_slopes()
     }
 

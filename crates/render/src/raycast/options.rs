@@ -3,6 +3,18 @@
 use super::Scatter;
 use crate::{Light, gather::OPAQUE};
 
+/// How values between samples are made of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kernel {
+    /// Of the eight samples around: trilinear, with central differences for gradients.
+    #[default]
+    Linear,
+    /// Of 64 samples around: the product of three cubics with a continuous gradient (Catmull & Rom 1974, "A class of local
+    /// interpolating splines"), so that edges of cells are not seen. Values may be beyond those of the samples. Beside
+    /// samples that are no finite numbers it is linear.
+    CatmullRom,
+}
+
 /// How rays are cast, and samples are laid on each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -21,6 +33,9 @@ pub struct RaycastOptions {
     /// part of a colour (times the strength of light that is scattered, where that is more). Above 1, or NaN: all is
     /// looked at. Default: 1 − 2⁻¹³, of which 8 bits show nothing, in the dark either.
     pub opaque: f32,
+    /// How values between samples are made of them. Changes the picture. For rays alone; light that is
+    /// [scattered](Self::scatter) is linear. Default: [`Kernel::Linear`].
+    pub kernel: Kernel,
     /// Whether rays begin with a part of a step, of another length in each pixel: rings that steps leave on smooth things
     /// become a grain. Changes the picture. For rays alone. Default: false.
     pub jitter: bool,
@@ -30,10 +45,10 @@ pub struct RaycastOptions {
     /// Steps that reach over more than 32 samples leap over nothing. Changes the picture. For rays alone. Default:
     /// false.
     pub integrated: bool,
-    /// By how much a colour or an opacity may differ from that with steps twice as long: a pixel in which it differs by
-    /// more is cast again with shorter ones, down to a 64th, as long as the three edges of the volume have no more than a
-    /// million of them; from 0 to 1. Where steps are short enough that the error is of order 2, what is left of it is about a third of
-    /// that. Changes the picture. For rays alone. Default: `None`, all steps are of one length.
+    /// By how much a colour or an opacity may differ from that with steps twice as long, from 0 to 1: a pixel in which it
+    /// differs by more is cast again with shorter ones, down to a 64th, as long as the three edges of the volume have no
+    /// more than a million of them. Where steps are short enough that the error is of order 2, what is left of it is about
+    /// a third of that. Changes the picture. For rays alone. Default: `None`, all steps are of one length.
     pub error: Option<f32>,
     /// Light that particles scatter. Changes the picture. Default: `None`.
     pub scatter: Option<Scatter>,
@@ -46,6 +61,7 @@ impl RaycastOptions {
         unit: None,
         light: Some(Light::DEFAULT),
         opaque: OPAQUE,
+        kernel: Kernel::Linear,
         jitter: false,
         integrated: false,
         error: None,
@@ -73,6 +89,12 @@ impl RaycastOptions {
     /// The same options with another `opaque`.
     pub const fn with_opaque(mut self, opaque: f32) -> Self {
         self.opaque = opaque;
+        self
+    }
+
+    /// The same options with another `kernel`.
+    pub const fn with_kernel(mut self, kernel: Kernel) -> Self {
+        self.kernel = kernel;
         self
     }
 

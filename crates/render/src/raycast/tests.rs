@@ -14,6 +14,7 @@ use isokit_volume::{Grid, Sample, Scaling, View, Volume};
 use std::num::{NonZeroU32, NonZeroUsize};
 
 mod bricks;
+mod kernels;
 mod steps;
 
 const PLAIN: RaycastOptions = RaycastOptions::DEFAULT.with_light(None).with_opaque(1.0);
