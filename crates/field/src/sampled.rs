@@ -52,9 +52,17 @@ impl<'a, T: Sample> Sampled<'a, T> {
     #[inline(always)]
     fn stored(&self, [x, y, z]: &[Stencil; 3]) -> [[[f64; WIDTH]; WIDTH]; WIDTH] {
         let mut stored = [[[0.0; WIDTH]; WIDTH]; WIDTH];
+        let along_x = x.samples();
         for (c, k) in z.samples().enumerate() {
             for (stored, j) in stored.iter_mut().zip(y.samples()) {
-                for (stored, i) in stored.iter_mut().zip(x.samples()) {
+                let four = (along_x.len() == WIDTH).then(|| [along_x.start, j, k]);
+                if let Some(four) = four.and_then(|place| self.view.four(place)) {
+                    for (stored, sample) in stored.iter_mut().zip(four) {
+                        stored[c] = sample.to_f64();
+                    }
+                    continue;
+                }
+                for (stored, i) in stored.iter_mut().zip(along_x.clone()) {
                     stored[c] = self.view.stored([i, j, k]).to_f64();
                 }
             }

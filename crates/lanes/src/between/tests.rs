@@ -1,6 +1,6 @@
 //! Every level against one place at a time.
 
-use super::{BENT, Between, Facing, Found, LINES, Lines, SEEN, TAME, Table};
+use super::{BENT, Between, Facing, Found, LINES, Lines, SEEN, Table, found::TAME};
 use crate::{Lane, Level, Samples, vertices::tests::Chance};
 
 fn mix(a: f32, b: f32, share: f32) -> f32 {
@@ -14,7 +14,7 @@ fn interpolated(at: impl Fn([i64; 3]) -> f32, [x, y, z]: [f32; 3]) -> f32 {
 }
 
 /// Places in all cells, on samples, beyond the lattice and nowhere.
-fn lines(chance: &mut Chance, dims: [usize; 3]) -> (Lines, [f64; LINES]) {
+pub(super) fn lines(chance: &mut Chance, dims: [usize; 3]) -> (Lines, [f64; LINES]) {
     let mut lines = Lines::default();
     let steps = std::array::from_fn(|_| f64::from(chance.below(400)) / 16.0);
     for (k, size) in dims.into_iter().enumerate() {

@@ -1,9 +1,9 @@
-//! Steps through cubics between samples, ray by ray.
+//! What is between samples, where that is cubic.
 
-use super::march::{Front, March};
-use crate::{Gathered, transfer::Place};
+use super::march::{March, Places};
 use isokit_field::ScalarField;
-use isokit_geom::vector::{Vector, length};
+use isokit_geom::vector::Vector;
+use isokit_lanes::{Between, Facing, Found, Table};
 use isokit_volume::Sample;
 
 impl<T: Sample> March<'_, T> {
@@ -22,34 +22,25 @@ impl<T: Sample> March<'_, T> {
         }
     }
 
-    /// Adds what is seen in the next steps of rays; the bits of those that are as good as opaque then.
-    pub(super) fn gather_cubic(&self, mut ready: u16, front: &mut Front) -> u16 {
-        let mut are_opaque = 0;
-        while ready != 0 {
-            let n = ready.trailing_zeros() as usize;
-            ready &= ready - 1;
-            let next = self.of_step(front, n).dimmed(self.share(front, n));
-            let gathered = front.gathered(n).over(next);
-            front.set(n, gathered);
-            are_opaque |= u16::from(gathered.opacity >= self.opaque) << n;
+    /// What is between samples, after so many steps, on each line whose bit in `wanted` is set.
+    #[inline(always)]
+    pub(super) fn look(
+        &self,
+        (between, table): (&Between<'_, T>, &Table<'_>),
+        (ways, places): Places<'_>,
+        wanted: u16,
+        facing: Option<&Facing>,
+        found: &mut Found,
+    ) {
+        if self.cubic.is_none() {
+            return between.look(places, wanted, table, facing, found);
         }
-        are_opaque
-    }
-
-    /// What a ray's next step looks like.
-    fn of_step(&self, front: &Front, n: usize) -> Gathered {
-        let (way, steps) = (&front.ways[n], front.on.steps[n]);
-        let place = way.at(steps);
-        let shade = |gradient| self.light.map(|light| light.answer(gradient, way.towards));
-        if self.lookup.has_integrals() {
-            let ends = [steps - 0.5, steps + 0.5].map(|end| self.value(way.at(end)));
-            let gradient = if self.light.is_some() { self.gradient(place) } else { [0.0; 3] };
-            return self.between(ends, 1.0, shade(gradient));
+        let mut left = between.look_cubic(places, wanted, table, facing, found);
+        while left != 0 {
+            let n = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let value = self.value(ways[n].at(places.1[n])) as f32;
+            found.put(n, value, table, facing.is_some());
         }
-        let Some(seen) = self.lookup.place(self.value(place) as f32) else {
-            return Gathered::NOTHING;
-        };
-        let gradient = if self.has_gradients() { self.gradient(place) } else { [0.0; 3] };
-        self.lookup.gathered(Place { slope: length(gradient), ..seen }, shade(gradient))
     }
 }

@@ -36,28 +36,22 @@ impl<T: Sample> March<'_, T> {
         found: &mut Found,
     ) -> u16 {
         // A step may show something whatever its ends show.
-        let table = Table { marks: &[SEEN], ..*table };
+        let asked = (between, &Table { marks: &[SEEN], ..*table });
         let begins = front.on.steps.map(|middle| middle - 0.5);
         let ends = front.on.steps.map(|middle| middle + 0.5);
         let is_new = |n: usize| u16::from(front.ends.at[n] != begins[n]) << n;
         let new = ready & (0..LINES).fold(0, |bits, n| bits | is_new(n));
         let mut first = front.ends.values;
         if new != 0 {
-            between.look((&front.lines, &begins), new, &table, None, found);
+            self.look(asked, front.after(&begins), new, None, found);
             for n in (0..LINES).filter(|n| new >> n & 1 == 1) {
                 first[n] = found.values[n];
             }
         }
-        between.look((&front.lines, &ends), ready, &table, None, found);
+        self.look(asked, front.after(&ends), ready, None, found);
         let last = found.values;
         let shades = self.light.and_then(|_| {
-            between.look(
-                (&front.lines, &front.on.steps),
-                ready,
-                &table,
-                Some(&front.facing),
-                found,
-            );
+            self.look(asked, front.after(&front.on.steps), ready, Some(&front.facing), found);
             self.shades(found, front)
         });
         let mut are_opaque = 0;

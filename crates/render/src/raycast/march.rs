@@ -34,6 +34,9 @@ pub(super) struct March<'a, T> {
     pub(super) opaque: f32,
 }
 
+/// Rays' ways, and places on them as lines and how many steps lead along each.
+pub(super) type Places<'a> = (&'a [Way; LINES], (&'a Lines, &'a [f64; LINES]));
+
 /// Rays side by side.
 #[derive(Default)]
 pub(super) struct Front {
@@ -106,15 +109,12 @@ impl<'a, T: Sample> March<'a, T> {
             let ready = self.lead(&mut front);
             let mut are_opaque = 0;
             looked += u64::from(ready.count_ones());
-            if self.cubic.is_some() {
-                are_opaque = self.gather_cubic(ready, &mut front);
-            } else if ready != 0 && self.lookup.has_integrals() {
-                let asked = (between, &table);
+            let asked = (between, &table);
+            if ready != 0 && self.lookup.has_integrals() {
                 are_opaque = self.gather_between(asked, ready, &mut front, &mut found);
             } else if ready != 0 {
-                let places = (&front.lines, &front.on.steps);
                 let facing = self.has_gradients().then_some(&front.facing);
-                between.look(places, ready, &table, facing, &mut found);
+                self.look(asked, front.after(&front.on.steps), ready, facing, &mut found);
                 if found.seen != 0 {
                     are_opaque = self.gather(&mut found, &mut front);
                 }
@@ -224,7 +224,7 @@ impl<'a, T: Sample> March<'a, T> {
             let n = odd.trailing_zeros() as usize;
             odd &= odd - 1;
             let way = &front.ways[n];
-            let gradient = self.field.gradient(way.at(front.on.steps[n]));
+            let gradient = self.gradient(way.at(front.on.steps[n]));
             found.slopes[n] = (length(gradient) / self.rise) as f32;
             if let (Some(light), Some([matt, gloss])) = (&self.light, &mut shades) {
                 [matt[n], gloss[n]] = light.answer(gradient, way.towards);
@@ -252,6 +252,11 @@ impl Front {
         (self.ways[n], self.pixels[n]) = (way, pixel);
         self.set(n, Gathered::NOTHING);
         self.ends.begin(n);
+    }
+
+    /// The places of all rays after so many steps each.
+    pub(super) fn after<'a>(&'a self, steps: &'a [f64; LINES]) -> Places<'a> {
+        (&self.ways, (&self.lines, steps))
     }
 
     /// What a ray has gathered so far.
