@@ -35,7 +35,12 @@ impl Stencil {
     pub(crate) fn at(cubic: Cubic, x: f64, size: usize) -> Self {
         // What is no number falls into the first cell, and makes weights that are none.
         let cell = cell(x, size);
-        let s = x - cell as f64 - 0.5;
+        Self::within(cubic, cell, x - cell as f64 - 0.5, size)
+    }
+
+    /// At `s` from the middle of a cell.
+    #[inline]
+    fn within(cubic: Cubic, cell: usize, s: f64, size: usize) -> Self {
         let weights = match cubic {
             Cubic::Lagrange => lagrange(s),
             Cubic::CatmullRom => catmull_rom(s),
@@ -62,6 +67,21 @@ impl Stencil {
             }
         }
         Self { first, held, weights }
+    }
+
+    /// The samples of a cell, and the weights that they have in each of the four numbers that the cubic is made of in it by
+    /// Bernstein's polynomials: it is where they are, and no further from them than they are from each other.
+    pub(crate) fn control(
+        cubic: Cubic,
+        cell: usize,
+        size: usize,
+    ) -> (Range<usize>, [[f64; WIDTH]; 4]) {
+        let [low, high] = [-0.5, 0.5].map(|s| Self::within(cubic, cell, s, size));
+        let ([from, leaves, _], [to, comes, _]) = (low.weights, high.weights);
+        let third = |ends: &[f64; WIDTH], slope: &[f64; WIDTH], side: f64| {
+            std::array::from_fn(|n| ends[n] + side * slope[n] / 3.0)
+        };
+        (low.samples(), [from, third(&from, &leaves, 1.0), third(&to, &comes, -1.0), to])
     }
 
     /// The samples.

@@ -9,8 +9,8 @@ use isokit::{
     job::{Job, Threads},
     pipeline::Scan,
     render::{
-        Camera, ControlPoint, Gathered, Image, Isosurface, Isosurfaces, Light, Medium, Paint,
-        Painted, Projection, RasterOptions, RaycastOptions, Raycaster, Size, Smoothing,
+        Camera, ControlPoint, Gathered, Image, Isosurface, Isosurfaces, Kernel, Light, Medium,
+        Paint, Painted, Projection, RasterOptions, RaycastOptions, Raycaster, Size, Smoothing,
         TransferFunction, isocast, rasterize,
     },
     scene::Scene,
@@ -195,7 +195,8 @@ fn tracing<T: Sample>(
         Isosurface { iso: look.iso, paint, opacity: look.opacity, clips: &clips }
     };
     let surfaces: Vec<_> = surfaces.iter().map(surface).collect();
-    let scene = Isosurfaces { view: &seen, bricks: Some(&bricks), surfaces: &surfaces, caps: &[] };
+    let (bricks, kernel) = (Some(&bricks), Kernel::Linear);
+    let scene = Isosurfaces { view: &seen, bricks, kernel, surfaces: &surfaces, caps: &[] };
     let (camera, size) = (view.camera()?, view.size()?);
     let start = Instant::now();
     let (image, done) = isocast(&scene, (&camera, size), &view.raster()?, &job)?;

@@ -30,9 +30,9 @@ use isokit_job::Job;
 use isokit_marching_cubes::{ExtractOptions, Nan};
 use isokit_mesh::TriMesh;
 use isokit_render::{
-    Camera, Cast, Drawn, Image, Isosurface, Isosurfaces, Medium, OpticalModel, Paint, Painted,
-    RasterOptions, RaycastOptions, Size, SolidTexture, Splatted, Traced, TransferFunction,
-    Trilinear, isocast, rasterize, raycast, splat,
+    Camera, Cast, Drawn, Image, Interpolant, Isosurface, Isosurfaces, Kernel, Medium, OpticalModel,
+    Paint, Painted, RasterOptions, RaycastOptions, Size, SolidTexture, Splatted, Traced,
+    TransferFunction, isocast, rasterize, raycast, splat,
 };
 use isokit_volume::for_any;
 
@@ -49,7 +49,7 @@ pub struct Scene {
     pub viewpoint: Viewpoint,
     /// How surfaces are drawn.
     pub raster: RasterOptions,
-    /// How rays are cast.
+    /// How rays are cast. The kernel is that of [`Scene::trace`] too.
     pub raycast: RaycastOptions,
 }
 
@@ -181,7 +181,7 @@ impl Scene {
         };
         match scan.filter(|_| self.has_caps()) {
             Some(scan) => for_any!(scan.volume(), volume => {
-                let field = Trilinear::new(scan.view(volume));
+                let field = Interpolant::new(scan.view(volume), Kernel::Linear);
                 draw(&Caps::new(self, &|place| field.at(place))?)
             }),
             None if self.has_caps() => Err(SceneError::NoValues),
@@ -210,12 +210,13 @@ impl Scene {
         let surfaces: Vec<_> = looks.collect();
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
-            let (bricks, field) = (scan.part_bricks(&view, job)?, Trilinear::new(view));
+            let (bricks, kernel) = (scan.part_bricks(&view, job)?, self.raycast.kernel);
+            let field = Interpolant::new(view, kernel);
             let value = |place| field.at(place);
             let caps = Caps::new(self, &value)?;
             let caps = caps.all();
-            let scene =
-                Isosurfaces { view: &view, bricks: Some(bricks), surfaces: &surfaces, caps: &caps };
+            let (bricks, surfaces, caps) = (Some(bricks), &surfaces[..], &caps[..]);
+            let scene = Isosurfaces { view: &view, bricks, kernel, surfaces, caps };
             Ok(isocast(&scene, (&camera, size), &self.raster, job)?)
         })
     }

@@ -1,7 +1,9 @@
 //! Where nothing can be seen.
 
-use crate::transfer::{Lookup, Scale};
-use isokit_field::Sampled;
+use crate::{
+    Interpolant,
+    transfer::{Lookup, Scale},
+};
 use isokit_job::{Job, Stopped};
 use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, words};
 use isokit_volume::{Bricks, Sample, View};
@@ -66,21 +68,15 @@ impl Clear {
             job.check()?;
             for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
                 // Those beside it too, if they are so near.
-                let near = |n: usize, axis: usize| {
-                    let more = around.margin.div_ceil(BLOCKS[axis] * CELLS);
-                    n.saturating_sub(more)..(n + more + 1).min(bricks.grid().counts()[axis])
-                };
-                let mut bricks_near = near(z, 2)
-                    .flat_map(|z| near(y, 1).flat_map(move |y| near(x, 0).map(move |x| [x, y, z])));
-                let extent = |brick| bricks.extents()[bricks.grid().number(brick)];
+                let mut extents = near(bricks, [x, y, z], around.margin);
                 // Bricks share samples, so that what is clear in each is clear in all; but not beyond their values.
                 let is_clear = match around.is_cubic {
                     true => {
-                        let all = bricks_near.map(extent).reduce(|a, b| a.with(b));
+                        let all = extents.reduce(|a, b| a.with(b));
                         let is_border = on_border([x, y, z], bricks.grid().counts());
                         all.is_none_or(|all| looks.is_clear(&all, is_border))
                     }
-                    false => bricks_near.all(|brick| looks.is_clear(&extent(brick), false)),
+                    false => extents.all(|extent| looks.is_clear(&extent, false)),
                 };
                 if !is_clear {
                     looks.look_into([x, y, z], counts, blocks);
@@ -150,8 +146,24 @@ impl Clear {
     }
 }
 
+/// What is in a brick, and in those that have samples no farther from it than so many.
+pub(crate) fn near<T: Sample>(
+    bricks: &Bricks<T>,
+    [x, y, z]: [usize; 3],
+    margin: usize,
+) -> impl Iterator<Item = Extent<T>> {
+    let grid = bricks.grid();
+    let near = move |n: usize, axis: usize| {
+        let more = margin.div_ceil(BLOCKS[axis] * CELLS);
+        n.saturating_sub(more)..(n + more + 1).min(grid.counts()[axis])
+    };
+    let rows = near(z, 2).flat_map(move |z| near(y, 1).map(move |y| [y, z]));
+    let places = rows.flat_map(move |[y, z]| near(x, 0).map(move |x| [x, y, z]));
+    places.map(move |place| bricks.extents()[grid.number(place)])
+}
+
 /// Whether one of so many things along each axis is at a border of them.
-fn on_border(place: [usize; 3], counts: [usize; 3]) -> bool {
+pub(crate) fn on_border(place: [usize; 3], counts: [usize; 3]) -> bool {
     (0..3).any(|axis| place[axis] == 0 || place[axis] + 1 == counts[axis])
 }
 
@@ -179,14 +191,9 @@ impl<T: Sample> Looks<'_, T> {
     /// Cubics lead beyond.
     fn is_clear(&self, extent: &Extent<T>, is_border: bool) -> bool {
         let Some(range) = extent.range() else { return true }; // all samples are NaN
-        let [mut least, mut greatest] = range.map(Sample::to_f64);
-        if self.around.is_cubic {
-            let beyond = 0.5 * (Sampled::<T>::growth(is_border) - 1.0) * (greatest - least);
-            // Of infinite samples there is no cubic.
-            let beyond = if beyond.is_finite() { beyond } else { 0.0 };
-            (least, greatest) = (least - beyond, greatest + beyond);
-        }
-        let [least, greatest] = [least, greatest].map(|end| end as f32);
+        let range = range.map(Sample::to_f64);
+        let reach = Interpolant::<T>::reach(range, self.around.is_cubic, is_border);
+        let [least, greatest] = reach.map(|end| end as f32);
         let slack = 8.0 * f32::EPSILON * least.abs().max(greatest.abs());
         let [a, b] = [least - slack, greatest + slack].map(|stored| self.scale.value(stored));
         self.lookup.is_clear([a.min(b), a.max(b)])

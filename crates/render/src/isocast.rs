@@ -1,9 +1,9 @@
-//! Isosurfaces without a mesh: along each ray, where trilinear interpolation has the value.
+//! Isosurfaces without a mesh: along each ray, where what is between samples has the value.
 //!
 //! A ray goes from cell to cell (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing"). In a cell
 //! the values along it are a cubic, whose crossings are between the places where it turns (`cell.rs`; Marmitt,
 //! Kleer, Wald, Friedrich & Slusallek 2004, "Fast and accurate ray-voxel intersection techniques for iso-surface
-//! ray tracing"). Whether the ray is inside is handed from cell to cell, so that it goes in and out by turns
+//! ray tracing"). Where a kernel makes cubics of samples, it is a polynomial of degree 9 (`nonic.rs`). Whether the ray is inside is handed from cell to cell, so that it goes in and out by turns
 //! whatever rounding does: what a ray meets is what it meets of a closed surface.
 //!
 //! What is beyond the volume is outside: a surface is closed by caps along the border, as the mesh of the extractor is.
@@ -11,15 +11,17 @@
 //! changes no bit of the picture.
 
 mod cell;
+mod nonic;
 mod walk;
 
 use crate::{
-    Camera, Cap, Gathered, Image, Paint, RasterError, RasterOptions, Size, Trilinear,
+    Camera, Cap, Gathered, Image, Interpolant, Kernel, Paint, RasterError, RasterOptions, Size,
+    clear::{near, on_border},
     shading::Shading,
 };
 use isokit_geom::HalfSpace;
 use isokit_job::{Job, Stopped};
-use isokit_lanes::exactly;
+use isokit_lanes::{Side, exactly};
 use isokit_volume::{Bricks, Sample, Sides, View};
 use rayon::prelude::*;
 use walk::Walk;
@@ -32,6 +34,8 @@ pub struct Isosurfaces<'a, T> {
     /// Where in it which values are, if that is known. Changes time only. Bricks are of use if they are those of the
     /// samples; others, with other sizes, are left aside.
     pub bricks: Option<&'a Bricks<T>>,
+    /// How values between samples are made of them.
+    pub kernel: Kernel,
     /// The surfaces.
     pub surfaces: &'a [Isosurface<'a>],
     /// What closes the holes that planes cut.
@@ -92,9 +96,9 @@ pub fn isocast<T: Sample>(
     let seen: Vec<_> =
         scene.surfaces.iter().copied().filter(|surface| surface.opacity > 0.0).collect(); // not NaN
     let bricks = scene.bricks.filter(|bricks| bricks.grid().dims() == scene.view.dims());
-    let threshold = |surface: &Isosurface<'_>| scene.view.scaling().threshold(surface.iso);
     let sides: Option<Vec<Sides>> =
-        bricks.map(|bricks| seen.iter().map(|surface| bricks.sides(threshold(surface))).collect());
+        bricks.map(|bricks| seen.iter().map(|surface| sides(scene, bricks, surface)).collect());
+    let threshold = |surface: &Isosurface<'_>| scene.view.scaling().threshold(surface.iso);
     let thresholds: Vec<_> = seen.iter().map(threshold).collect();
     let opaque: Vec<_> = seen.iter().copied().filter(|surface| surface.opacity >= 1.0).collect();
     let quiet = job.unwatched();
@@ -104,7 +108,7 @@ pub fn isocast<T: Sample>(
         Ok::<_, RasterError>(isocast(&scene, view, options, &quiet)?.0)
     })?;
     let walk = Walk {
-        field: Trilinear::new(*scene.view),
+        field: Interpolant::new(*scene.view, scene.kernel),
         surfaces: &seen,
         thresholds: &thresholds,
         sides: sides.as_deref(),
@@ -134,6 +138,39 @@ pub fn isocast<T: Sample>(
     let both = |a: Traced, b: Traced| Ok::<_, Stopped>(a.with(b));
     let traced = job.threads.run(|| rows.map(row).try_reduce(Traced::default, both))?;
     Ok((image, traced))
+}
+
+/// On which side of a surface bricks are.
+fn sides<T: Sample>(
+    scene: &Isosurfaces<'_, T>,
+    bricks: &Bricks<T>,
+    surface: &Isosurface<'_>,
+) -> Sides {
+    let scaling = scene.view.scaling();
+    let mut sides = bricks.sides(scaling.threshold(surface.iso));
+    if scene.kernel == Kernel::Linear {
+        return sides;
+    }
+    // Cubics look at samples of other bricks, and lead beyond them.
+    for number in 0..sides.of_brick.len() {
+        let (grid, own) = (sides.grid, sides.of_brick[number]);
+        let [nx, ny, _] = grid.counts();
+        let brick = [number % nx, number / nx % ny, number / nx / ny];
+        let all = near(bricks, brick, 1).reduce(|a, b| a.with(b));
+        let range = all.and_then(|all| all.range()).map(|range| range.map(Sample::to_f64));
+        let Some(range) = range.filter(|_| own != Side::Both) else { continue };
+        let reach = Interpolant::<T>::reach(range, true, on_border(brick, grid.counts()));
+        let [a, b] = reach.map(|stored| scaling.value(stored));
+        let slack = 1e-13 * a.abs().max(b.abs());
+        let is_sure = match own {
+            Side::Inside => a.min(b) - slack >= surface.iso,
+            _ => a.max(b) + slack < surface.iso,
+        };
+        if !is_sure {
+            sides.of_brick[number] = Side::Both;
+        }
+    }
+    sides
 }
 
 #[cfg(test)]

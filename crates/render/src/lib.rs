@@ -46,6 +46,7 @@ mod camera;
 mod clear;
 mod gather;
 mod image;
+mod interpolant;
 mod isocast;
 mod light;
 mod png;
@@ -60,13 +61,12 @@ mod trilinear;
 pub use camera::{Camera, CameraError, Projection, Ray, Side};
 pub use gather::{Gathered, opacity_over};
 pub use image::{Background, Image, Size};
+pub use interpolant::{Interpolant, Kernel};
 pub use isocast::{Isosurface, Isosurfaces, Traced, isocast};
 pub use light::Light;
 pub use png::{Depth, PngError, write_channel_png, write_png};
 pub use raster::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
-pub use raycast::{
-    Cast, Kernel, Medium, RaycastError, RaycastOptions, Raycaster, Scatter, raycast,
-};
+pub use raycast::{Cast, Medium, RaycastError, RaycastOptions, Raycaster, Scatter, raycast};
 pub use shading::Channel;
 pub use splat::{Splatted, splat};
 pub use texture::{Pattern, SolidTexture, TextureError};
@@ -74,4 +74,4 @@ pub use transfer::{
     ControlPoint, Material, Mixture, MixtureError, OpticalModel, Peak, SlopeError, SlopeFunction,
     TransferError, TransferFunction, full_slope,
 };
-pub use trilinear::Trilinear;
+pub(crate) use trilinear::Trilinear;

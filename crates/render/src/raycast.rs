@@ -23,7 +23,7 @@ mod options;
 mod way;
 
 use crate::{
-    Camera, Gathered, Image, OpticalModel, Size,
+    Camera, Gathered, Image, Kernel, OpticalModel, Size,
     clear::{Around, Clear, MOST_MARGIN},
     transfer::Lookup,
 };
@@ -36,7 +36,7 @@ use way::Ways;
 
 pub(crate) use cloud::Cloud;
 pub use cloud::Scatter;
-pub use options::{Kernel, RaycastOptions};
+pub use options::RaycastOptions;
 use rayon::prelude::*;
 
 /// A volume, and what is seen of it.

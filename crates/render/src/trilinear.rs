@@ -10,7 +10,7 @@ use isokit_volume::{Sample, View};
 /// The values of a volume between its samples, in its box from the first sample to the last. One that is
 /// infinite is taken for NaN by its cells.
 #[derive(Clone, Copy, Debug)]
-pub struct Trilinear<'a, T> {
+pub(crate) struct Trilinear<'a, T> {
     view: View<'a, T>,
     affine: Affine,
     /// What takes a gradient in index space to the world, as columns.
@@ -19,17 +19,23 @@ pub struct Trilinear<'a, T> {
 
 impl<'a, T: Sample> Trilinear<'a, T> {
     /// The values of a volume.
-    pub fn new(view: View<'a, T>) -> Self {
+    pub(crate) fn new(view: View<'a, T>) -> Self {
         let affine = view.frame().index_to_world;
         Self { view, affine, covectors: affine.covector_columns() }
     }
 
     /// The value at a place of the world. None beyond the box, none where a sample of the cell is NaN, and none in a
     /// volume of one sample along an axis, which has no cells.
-    pub fn at(&self, place: Vector) -> Option<f64> {
+    #[cfg(test)]
+    pub(crate) fn at(&self, place: Vector) -> Option<f64> {
+        Some(self.at_index(self.index_of(place)?)).filter(|value| !value.is_nan())
+    }
+
+    /// A place of the world in index space. None beyond the box, and none in a volume of one sample along an axis.
+    pub(crate) fn index_of(&self, place: Vector) -> Option<[f64; 3]> {
         let (ijk, dims) = (self.affine.inverse_point(place), self.view.dims());
         let within = |k: usize| dims[k] > 1 && (0.0..=dims[k] as f64 - 1.0).contains(&ijk[k]);
-        (0..3).all(within).then(|| self.at_index(ijk)).filter(|value| !value.is_nan())
+        (0..3).all(within).then_some(ijk)
     }
 
     /// From where to where a ray is in the box, as distances from where it begins; none beside it. A volume of one

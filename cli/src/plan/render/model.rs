@@ -170,9 +170,14 @@ pub(super) fn raycast(
         let says = "[sampling] step and [transfer] unit: expected mode = \"raycast\" or \"splat\"";
         return Err(UsageError(says.into()));
     }
-    let is_of_rays = jitter || integrated || error.is_some() || kernel != KernelWord::Linear;
-    if !is_typed && mode != ModeWord::Raycast && is_of_rays {
-        let says = "[sampling] jitter, integrated, error and kernel: expected mode = \"raycast\"";
+    let is_of_steps = jitter || integrated || error.is_some();
+    if !is_typed && mode != ModeWord::Raycast && is_of_steps {
+        let says = "[sampling] jitter, integrated and error: expected mode = \"raycast\"";
+        return Err(UsageError(says.into()));
+    }
+    let has_rays = matches!(mode, ModeWord::Raycast | ModeWord::IsoRaycast);
+    if !is_typed && !has_rays && kernel != KernelWord::Linear {
+        let says = "[sampling] kernel: expected mode = \"raycast\" or \"iso-raycast\"";
         return Err(UsageError(says.into()));
     }
     let is_of_values = matches!(model, ModelPlan::Points(_, None) | ModelPlan::Preset(_, None));

@@ -2,12 +2,12 @@
 
 use super::{Isosurface, Isosurfaces, Traced, isocast};
 use crate::{
-    Camera, Cap, Gathered, Image, Light, Paint, Projection, RasterOptions, Size, Smoothing,
-    Trilinear,
+    Camera, Cap, Channel, Gathered, Image, Interpolant, Kernel, Light, Paint, Projection,
+    RasterOptions, Size, Smoothing,
 };
 use isokit_geom::{Affine, Frame, HalfSpace, vector::Vector};
 use isokit_job::{Job, Threads};
-use isokit_volume::{Bricks, Grid, Sample, Scaling, Volume};
+use isokit_volume::{Bricks, Grid, Sample, Scaling, View, Volume};
 use std::num::{NonZeroU32, NonZeroUsize};
 
 const PLAIN: RasterOptions =
@@ -53,13 +53,18 @@ fn size(n: u32) -> Size {
     Size { width: n, height: n }
 }
 
+fn scene_of<'a, T>(view: &'a View<'a, T>, surfaces: &'a [Isosurface<'a>]) -> Isosurfaces<'a, T> {
+    Isosurfaces { view, bricks: None, kernel: Kernel::Linear, surfaces, caps: &[] }
+}
+
 fn picture<T: Sample>(
     volume: &Volume<T>,
     surfaces: &[Isosurface<'_>],
     (camera, n): (&Camera, u32),
     options: &RasterOptions,
 ) -> (Image, Traced) {
-    let scene = Isosurfaces { view: &volume.view(), bricks: None, surfaces, caps: &[] };
+    let view = volume.view();
+    let scene = scene_of(&view, surfaces);
     isocast(&scene, (camera, size(n)), options, &Job::default()).unwrap()
 }
 
@@ -91,13 +96,14 @@ fn a_ray_meets_a_ball_twice_or_not_at_all() {
 #[test]
 fn in_noise_a_ray_meets_what_a_walk_in_small_steps_goes_through() {
     let mut met = 0.0;
-    for seed in 0..2 {
+    for (seed, kernel) in [(0, Kernel::Linear), (1, Kernel::Linear), (0, Kernel::CatmullRom)] {
         let volume = volume([6, 5, 7], noise(f64::from(seed)));
         let view = volume.view();
-        let field = Trilinear::new(view);
+        let field = Interpolant::new(view, kernel);
         let camera = camera([9.0, -14.0, 6.0], PERSPECTIVE);
         let surfaces = [glass(0.3, 0.5)];
-        let (image, _) = picture(&volume, &surfaces, (&camera, 17), &PLAIN);
+        let scene = Isosurfaces { kernel, ..scene_of(&view, &surfaces) };
+        let (image, _) = isocast(&scene, (&camera, size(17)), &PLAIN, &Job::default()).unwrap();
         for (x, y) in (0..17).flat_map(|y| (0..17).map(move |x| (x, y))) {
             let ray = camera.pixel_ray(size(17), [x, y].map(|n| f64::from(n) + 0.5));
             let inside = (0..100_000).map(|n| {
@@ -110,7 +116,8 @@ fn in_noise_a_ray_meets_what_a_walk_in_small_steps_goes_through() {
             let opacity = image.pixel(x, y).opacity;
             // As far as so many walls can be told apart.
             if changes <= 10 {
-                assert_eq!(walls(opacity).round() as usize, changes, "{seed}, {x}, {y}: {opacity}");
+                let found = walls(opacity).round() as usize;
+                assert_eq!(found, changes, "{kernel:?}, {seed}, {x}, {y}: {opacity}");
             }
             met += walls(opacity);
         }
@@ -127,19 +134,21 @@ fn bricks_and_threads_change_no_bit() {
     let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
     let surfaces = [glass(30.0, 0.3), glass(120.0, 1.0), glass(-90.0, 0.0)];
     let mut passed = 0;
-    for from in [[90.0, -80.0, 50.0], [3.0, 2.0, 1.0], [-200.0, 0.1, 0.0]] {
+    let view = volume.view();
+    let eyes = [[90.0, -80.0, 50.0], [3.0, 2.0, 1.0], [-200.0, 0.1, 0.0]];
+    let kernels = [Kernel::Linear, Kernel::CatmullRom];
+    for (from, kernel) in eyes.into_iter().flat_map(|from| kernels.map(|kernel| (from, kernel))) {
         let camera = camera(from, Projection::Perspective { fov: 60.0 });
-        let (plain, walked) = picture(&volume, &surfaces, (&camera, 41), &PLAIN);
+        let plain = Isosurfaces { kernel, ..scene_of(&view, &surfaces) };
+        let cast = |scene: &_, job: &_| isocast(scene, (&camera, size(41)), &PLAIN, job).unwrap();
+        let (expected, walked) = cast(&plain, &Job::default());
         assert_eq!(walked.bricks_passed, 0);
-        assert!(plain.pixels().iter().any(|pixel| pixel.opacity > 0.5));
+        assert!(expected.pixels().iter().any(|pixel| pixel.opacity > 0.5));
         for threads in [1, 3] {
             let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
             let job = Job { threads, ..Job::default() };
-            let view = volume.view();
-            let scene =
-                Isosurfaces { view: &view, bricks: Some(&bricks), surfaces: &surfaces, caps: &[] };
-            let (image, traced) = isocast(&scene, (&camera, size(41)), &PLAIN, &job).unwrap();
-            assert!(image == plain, "{from:?}");
+            let (image, traced) = cast(&Isosurfaces { bricks: Some(&bricks), ..plain }, &job);
+            assert!(image == expected, "{from:?}, {kernel:?}");
             assert!(traced.cells <= walked.cells, "{traced:?}");
             passed += traced.bricks_passed;
         }
@@ -197,7 +206,7 @@ fn planes_cut_and_caps_close() {
     let half = HalfSpace::new([0.0, -1.0, 0.0], 3.0).unwrap();
     let volume = ball();
     let view = volume.view();
-    let field = Trilinear::new(view);
+    let field = Interpolant::new(view, Kernel::Linear);
     let look = |place: Vector| match field.at(place) {
         Some(0.0..) => Gathered::new([0.0, 1.0, 0.0], 1.0),
         _ => Gathered::NOTHING,
@@ -206,7 +215,7 @@ fn planes_cut_and_caps_close() {
     let surfaces = [Isosurface { clips: &clips, ..glass(0.0, 0.5) }];
     let camera = camera([0.0, -50.0, 0.0], PARALLEL);
     let draw = |caps: &[Cap<'_>]| {
-        let scene = Isosurfaces { view: &view, bricks: None, surfaces: &surfaces, caps };
+        let scene = Isosurfaces { caps, ..scene_of(&view, &surfaces) };
         isocast(&scene, (&camera, size(101)), &PLAIN, &Job::default()).unwrap().0
     };
     assert_eq!(walls(draw(&[]).pixel(50, 50).opacity), 1.0);
@@ -215,6 +224,29 @@ fn planes_cut_and_caps_close() {
     // Beside the cap's rim both walls are left: 9.54 is its radius.
     assert_eq!(walls(capped.pixel(50, 50 + 31).opacity), 2.0);
     assert_eq!(capped.pixel(50, 0), Gathered::NOTHING);
+}
+
+#[test]
+fn on_cubics_a_ball_of_few_samples_is_round() {
+    // Seven samples across.
+    let ball = volume([15; 3], |[x, y, z]| 12.25 - x * x - y * y - z * z);
+    let (view, surfaces) = (ball.view(), [glass(0.0, 1.0)]);
+    let camera = camera([9.0, -14.0, 6.0], Projection::Parallel { height: 8.0 });
+    let off = |kernel| {
+        let scene = Isosurfaces { kernel, ..scene_of(&view, &surfaces) };
+        let options = PLAIN.with_channel(Channel::Depth);
+        let (image, _) = isocast(&scene, (&camera, size(64)), &options, &Job::default()).unwrap();
+        let depths = image.pixels().iter().enumerate().filter_map(|(n, pixel)| {
+            let at = [n % 64, n / 64].map(|c| (c as f64 - 31.5) / 8.0);
+            let square = 12.25 - at[0] * at[0] - at[1] * at[1];
+            let far = length([9.0, -14.0, 6.0]) - square.max(0.0).sqrt();
+            (square > 1.0).then(|| (f64::from(pixel.color[0]) - far).abs())
+        });
+        depths.fold(0.0, f64::max)
+    };
+    let [linear, cubic] = [Kernel::Linear, Kernel::CatmullRom].map(off);
+    // Values are parabolas, which these cubics are exact for.
+    assert!(cubic < 1e-5 && linear > 0.02, "{cubic}, {linear}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One ray, cell by cell.
 
-use super::{Isosurface, Traced, cell::Cubic};
-use crate::{Cap, Gathered, Paint, Ray, Trilinear, gather::OPAQUE, shading::Shading};
+use super::{Isosurface, Traced, cell::Cubic, nonic::Nonic};
+use crate::{Cap, Gathered, Interpolant, Paint, Ray, gather::OPAQUE, shading::Shading};
 use isokit_geom::vector::Vector;
 use isokit_lanes::{Side, Threshold};
 use isokit_volume::{Sample, Sides};
@@ -9,7 +9,7 @@ use isokit_volume::{Sample, Sides};
 /// All that rays have in common.
 #[derive(Clone, Copy)]
 pub(super) struct Walk<'a, T> {
-    pub(super) field: Trilinear<'a, T>,
+    pub(super) field: Interpolant<'a, T>,
     pub(super) surfaces: &'a [Isosurface<'a>],
     pub(super) thresholds: &'a [Threshold<T>],
     /// On which side of each surface bricks are.
@@ -39,6 +39,66 @@ struct Met {
     border: Option<usize>,
 }
 
+/// What is between the samples of a cell.
+enum Function<T> {
+    /// By its corners.
+    Trilinear([T; 8]),
+    /// By control points, and the least and the greatest of them.
+    Cubic(Box<[[[f64; 4]; 4]; 4]>, [f64; 2]),
+}
+
+/// The same along a ray.
+enum Line {
+    Cubic(Cubic),
+    Nonic(Nonic),
+}
+
+impl<T: Sample> Function<T> {
+    fn of(field: &Interpolant<'_, T>, cell: [usize; 3]) -> Self {
+        match field.control_points(cell) {
+            None => Self::Trilinear(field.linear.view().cell(cell)),
+            Some(points) => {
+                let all = points.as_flattened().as_flattened();
+                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+                let greatest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                Self::Cubic(Box::new(points), [least, greatest])
+            }
+        }
+    }
+
+    /// Whether all of the cell is inside of a surface, or nothing of it; none where that cannot be said.
+    fn is_inside(&self, (iso, threshold): (f64, Threshold<T>)) -> Option<bool> {
+        let (is_none, is_all) = match self {
+            Self::Trilinear(corners) => {
+                let inside = corners.iter().filter(|&&sample| threshold.is_inside(sample)).count();
+                (inside == 0, inside == corners.len())
+            }
+            Self::Cubic(_, [least, greatest]) => (*greatest < iso, *least >= iso),
+        };
+        (is_none || is_all).then_some(is_all)
+    }
+
+    fn between(&self, field: &Interpolant<'_, T>, from: Vector, to: Vector) -> Line {
+        match self {
+            Self::Trilinear(corners) => {
+                let scaling = field.linear.view().scaling();
+                let corners = corners.map(|sample| scaling.value(sample.to_f64()));
+                Line::Cubic(Cubic::between(corners, from, to))
+            }
+            Self::Cubic(points, _) => Line::Nonic(Nonic::between(points, from, to)),
+        }
+    }
+}
+
+impl Line {
+    fn crossings(&self, iso: f64, is_inside: bool, meet: impl FnMut(f64)) -> bool {
+        match self {
+            Self::Cubic(cubic) => cubic.crossings(iso, is_inside, meet),
+            Self::Nonic(nonic) => nonic.crossings(iso, is_inside, meet),
+        }
+    }
+}
+
 impl<T: Sample> Walk<'_, T> {
     pub(super) fn begin(&self) -> Known {
         let is_inside = vec![false; self.surfaces.len()];
@@ -60,11 +120,11 @@ impl<T: Sample> Walk<'_, T> {
 
     /// From where a ray comes into the volume to where it leaves it, or nothing more is seen.
     fn through(&self, [near, far]: [f64; 2], ray: &Ray, known: &mut Known, traced: &mut Traced) {
-        let affine = self.field.affine();
+        let affine = self.field.linear.affine();
         let origin = affine.inverse_point(ray.origin);
         let direction = affine.inverse_vector(ray.direction);
         let at = |t: f64| -> Vector { std::array::from_fn(|k| origin[k] + t * direction[k]) };
-        let last = self.field.view().dims().map(|n| n - 2);
+        let last = self.field.linear.view().dims().map(|n| n - 2);
         let within = |k: usize, c: f64| (c as usize).min(last[k]); // what is below 0 becomes 0
         let mut cell: [usize; 3] = std::array::from_fn(|k| within(k, at(near)[k]));
         let mut t = near;
@@ -163,36 +223,31 @@ impl<T: Sample> Walk<'_, T> {
         border: Option<usize>,
         known: &mut Known,
     ) {
-        let stored = self.field.view().cell(cell);
-        let mut cubic = None;
-        for (surface, threshold) in self.thresholds.iter().enumerate() {
-            let inside = stored.iter().filter(|&&sample| threshold.is_inside(sample)).count();
+        let function = Function::of(&self.field, cell);
+        let mut line = None;
+        for (surface, &threshold) in self.thresholds.iter().enumerate() {
+            let iso = self.surfaces[surface].iso;
+            let whole = function.is_inside((iso, threshold));
             let is_inside = &mut known.is_inside[surface];
             let met = &mut known.met;
-            if border.is_some() || inside == 0 || inside == 8 {
+            if border.is_some() || whole.is_some() {
                 // The whole cell, or where the ray comes into the volume.
-                let begins = match inside {
-                    0 => false,
-                    8 => true,
-                    _ => self.field.at_index(from) >= self.surfaces[surface].iso,
-                };
+                let begins = whole.unwrap_or_else(|| self.field.at_index(from) >= iso);
                 if begins != *is_inside {
                     met.push(Met { far: near, surface, border });
                     *is_inside = begins;
                 }
             }
-            if inside == 0 || inside == 8 {
+            if whole.is_some() {
                 continue;
             }
-            let cubic = cubic.get_or_insert_with(|| {
-                let scaling = self.field.view().scaling();
-                let corners = stored.map(|sample| scaling.value(sample.to_f64()));
+            let line = line.get_or_insert_with(|| {
                 let local = |place: Vector| -> Vector {
                     std::array::from_fn(|k| (place[k] - cell[k] as f64).clamp(0.0, 1.0))
                 };
-                Cubic::between(corners, local(from), local(to))
+                function.between(&self.field, local(from), local(to))
             });
-            *is_inside = cubic.crossings(self.surfaces[surface].iso, *is_inside, |share| {
+            *is_inside = line.crossings(iso, *is_inside, |share| {
                 met.push(Met { far: near + share * (far - near), surface, border: None });
             });
         }
@@ -218,8 +273,8 @@ impl<T: Sample> Walk<'_, T> {
                 Paint::Solid(color) => color(place),
             };
             let normal = || match met.border {
-                Some(axis) => self.field.across(axis),
-                None => self.field.gradient(self.field.affine().inverse_point(place)),
+                Some(axis) => self.field.linear.across(axis),
+                None => self.field.gradient(self.field.linear.affine().inverse_point(place)),
             };
             let color = self.shading.color(color, normal, place, ray.direction);
             let opacity = self.shading.opacity(opacity);
@@ -247,7 +302,7 @@ impl<T: Sample> Walk<'_, T> {
 
     /// The axis across which the volume ends nearest to a place.
     fn border(&self, place: Vector) -> usize {
-        let last = self.field.view().dims().map(|n| n as f64 - 1.0);
+        let last = self.field.linear.view().dims().map(|n| n as f64 - 1.0);
         let away = |k: usize| place[k].abs().min((last[k] - place[k]).abs());
         (1..3).fold(0, |least, k| if away(k) < away(least) { k } else { least })
     }

@@ -3,13 +3,12 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, Cloud, Kernel, Medium, RaycastOptions, ends::Ends, way::Way};
+use super::{Cast, Cloud, Medium, RaycastOptions, ends::Ends, way::Way};
 use crate::{
-    Gathered, Light, Trilinear,
+    Gathered, Interpolant, Light,
     clear::Clear,
     transfer::{Lookup, Place, Scale},
 };
-use isokit_field::Sampled;
 use isokit_geom::vector::length;
 use isokit_lanes::{Between, Blocks, Facing, Found, LINES, Layers, Lines, Next, OnTheWay};
 use isokit_volume::Sample;
@@ -17,9 +16,7 @@ use isokit_volume::Sample;
 /// All that rays have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct March<'a, T> {
-    pub(super) field: Trilinear<'a, T>,
-    /// What is between samples, if that is not linear.
-    pub(super) cubic: Option<Sampled<'a, T>>,
+    pub(super) field: Interpolant<'a, T>,
     /// None where no ray has a way through: there are no cells.
     between: Option<Between<'a, T>>,
     /// What takes a gradient in index space to the direction that it has in the world.
@@ -60,20 +57,16 @@ impl<'a, T: Sample> March<'a, T> {
         (lookup, clear, cloud): (&'a Lookup<'a>, Option<&'a Clear>, Option<&'a Cloud>),
         options: &RaycastOptions,
     ) -> Self {
-        let field = Trilinear::new(*medium.view);
         let RaycastOptions { light, opaque, kernel, .. } = *options;
-        let cubic = match kernel {
-            Kernel::Linear => None,
-            Kernel::CatmullRom => Some(Sampled::catmull_rom(*medium.view)),
-        };
+        let field = Interpolant::new(*medium.view, kernel);
         let clear = clear.and_then(|clear| Some((clear, clear.blocks()?)));
         let between = medium.view.samples().and_then(Between::new);
-        let columns = [0, 1, 2].map(|axis| field.across(axis));
+        let columns = [0, 1, 2].map(|axis| field.linear.across(axis));
         let greatest = columns.as_flattened().iter().fold(0.0, |most: f64, c| most.max(c.abs()));
         let covectors = columns.map(|column| column.map(|c| (c / greatest) as f32));
         // Differences are over two samples.
         let rise = 0.5 * greatest * medium.view.scaling().slope().abs();
-        Self { field, cubic, between, covectors, rise, lookup, clear, light, cloud, opaque }
+        Self { field, between, covectors, rise, lookup, clear, light, cloud, opaque }
     }
 
     /// What rays gather on their ways, each with the number of its pixel.
@@ -87,7 +80,7 @@ impl<'a, T: Sample> March<'a, T> {
         let mut front = Front::default();
         front.facing.covectors = self.covectors;
         let (table, mut found) =
-            (self.lookup.table(Scale::of(self.field.view().scaling())), Found::default());
+            (self.lookup.table(Scale::of(self.field.linear.view().scaling())), Found::default());
         let (mut due, mut advanced, mut looked) = (u16::MAX, 0.0, 0);
         loop {
             while due != 0 {
@@ -157,14 +150,14 @@ impl<'a, T: Sample> March<'a, T> {
             return Gathered::NOTHING;
         }
         done.steps += 1;
-        let gradient = || self.gradient(place);
+        let gradient = || self.field.gradient(place);
         let shaded = |light: Light| light.answer(gradient(), way.towards);
         let share = self.cloud.map_or(1.0, |cloud| cloud.light(place));
         if self.lookup.has_integrals() {
-            let ends = [from, to].map(|steps| self.value(way.at(steps)));
+            let ends = [from, to].map(|steps| self.field.at_index(way.at(steps)));
             return self.between(ends, to - from, self.light.map(shaded)).dimmed(share);
         }
-        let value = self.value(place);
+        let value = self.field.at_index(place);
         if value.is_nan() {
             return Gathered::NOTHING;
         }
@@ -224,7 +217,7 @@ impl<'a, T: Sample> March<'a, T> {
             let n = odd.trailing_zeros() as usize;
             odd &= odd - 1;
             let way = &front.ways[n];
-            let gradient = self.gradient(way.at(front.on.steps[n]));
+            let gradient = self.field.gradient(way.at(front.on.steps[n]));
             found.slopes[n] = (length(gradient) / self.rise) as f32;
             if let (Some(light), Some([matt, gloss])) = (&self.light, &mut shades) {
                 [matt[n], gloss[n]] = light.answer(gradient, way.towards);

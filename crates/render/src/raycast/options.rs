@@ -1,19 +1,7 @@
 //! How rays are cast.
 
 use super::Scatter;
-use crate::{Light, gather::OPAQUE};
-
-/// How values between samples are made of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kernel {
-    /// Of the eight samples around: trilinear, with central differences for gradients.
-    #[default]
-    Linear,
-    /// Of 64 samples around: the product of three cubics with a continuous gradient (Catmull & Rom 1974, "A class of local
-    /// interpolating splines"), so that edges of cells are not seen. Values may be beyond those of the samples. Beside
-    /// samples that are no finite numbers it is linear.
-    CatmullRom,
-}
+use crate::{Kernel, Light, gather::OPAQUE};
 
 /// How rays are cast, and samples are laid on each other.
 #[derive(Clone, Copy, Debug, PartialEq)]

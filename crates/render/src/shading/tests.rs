@@ -2,8 +2,8 @@
 
 use super::{Channel, DIRECTIONS, direction};
 use crate::{
-    Camera, Cap, Gathered, Image, Isosurface, Isosurfaces, Light, Paint, Painted, Projection,
-    RasterOptions, Size, Smoothing, isocast, rasterize,
+    Camera, Cap, Gathered, Image, Isosurface, Isosurfaces, Kernel, Light, Paint, Painted,
+    Projection, RasterOptions, Size, Smoothing, isocast, rasterize,
 };
 use isokit_geom::{
     Frame, HalfSpace,
@@ -155,7 +155,13 @@ fn isosurfaces_have_the_depths_shadows_and_corners_of_what_they_are() {
     let view = volume.view();
     let paint = Paint::Plain([0.5; 3]);
     let surfaces = [Isosurface { iso: 0.0, paint, opacity: 1.0, clips: &[] }];
-    let scene = Isosurfaces { view: &view, bricks: None, surfaces: &surfaces, caps: &[] };
+    let scene = Isosurfaces {
+        view: &view,
+        bricks: None,
+        kernel: Kernel::Linear,
+        surfaces: &surfaces,
+        caps: &[],
+    };
     let parallel = Projection::Parallel { height: 38.0 };
     let camera =
         Camera::new([20.0, 20.0, 60.0], [20.0, 20.0, 0.0], [0.0, 1.0, 0.0], parallel).unwrap();
