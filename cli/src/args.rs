@@ -18,7 +18,7 @@ pub(crate) use choices::{
 };
 pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;
-pub(crate) use render::RenderArgs;
+pub(crate) use render::{LodWord, RenderArgs};
 pub(crate) use values::{LevelArg, SampleType, Triple};
 pub(crate) use volume::VolumeArgs;
 

@@ -105,6 +105,9 @@ pub(crate) struct RenderArgs {
     /// One picture of each isovalue alone, side by side
     #[arg(long, conflicts_with = "frames", help_heading = "Picture")]
     pub(crate) sheet: bool,
+    /// How much detail of a volume is looked at
+    #[arg(long, value_enum, default_value_t, value_name = "LEVEL", help_heading = "Picture")]
+    pub(crate) lod: LodWord,
     /// Pixels [default: 1024x1024]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = values::size, help_heading = "Picture")]
     pub(crate) size: Option<Size>,
@@ -157,6 +160,15 @@ pub(crate) enum BitsArg {
     /// For further work
     #[value(name = "16")]
     Sixteen,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LodWord {
+    /// All samples
+    #[default]
+    Full,
+    /// As many as pixels show
+    Screen,
 }
 
 impl From<SmoothingArg> for Smoothing {

@@ -1,5 +1,6 @@
 //! `render`: from a scene, a volume or a mesh to a picture.
 
+mod detail;
 mod pictures;
 mod words;
 
@@ -63,9 +64,16 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
         skipped = RenderSkipped::of(&needs, plan.mode);
     }
     let has_pictures = !plan.targets.is_empty() || !plan.channels.is_empty();
+    if plan.is_on_screen && (is_plan || plan.mode != ModeWord::Surfaces) {
+        let made = timed(&mut timings.extract, || detail::halve(plan, &mut seen, session));
+        skipped.halvings = made?;
+    }
     if has_pictures && !is_plan {
         if let (Some(scan), ModeWord::Surfaces) = (&seen.scan, plan.mode) {
-            let made = timed(&mut timings.extract, || seen.scene.meshes(scan, &session.job));
+            let made = timed(&mut timings.extract, || match plan.is_on_screen {
+                true => detail::meshes(plan, (&seen.scene, scan), &mut skipped, session),
+                false => Ok(seen.scene.meshes(scan, &session.job)?),
+            });
             seen.meshes = made?;
         }
         pictures::pictures(plan, &mut seen, (&mut skipped, &mut timings), session)?;

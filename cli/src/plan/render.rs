@@ -9,7 +9,7 @@ pub(crate) use model::{FadePlan, ModelPlan};
 
 use super::{Stream, TextTarget, palette};
 use crate::{
-    args::{LevelArg, RenderArgs},
+    args::{LevelArg, LodWord, RenderArgs},
     fault::UsageError,
     scene_file::{
         CapWord, ClipTable, Color, Ground, ModeWord, PatternWord, SceneFile, SurfaceTable,
@@ -44,6 +44,8 @@ pub(crate) struct RenderPlan {
     pub(crate) size: Size,
     pub(crate) background: Background,
     pub(crate) depth: Depth,
+    /// Whether samples that are nearer to each other than pixels are left out.
+    pub(crate) is_on_screen: bool,
     /// Whether it is only to be said what would be done.
     pub(crate) is_plan: bool,
     /// One picture of each surface alone, side by side.
@@ -95,7 +97,7 @@ impl RenderPlan {
         let mode = args.mode.or(file.output.mode).unwrap_or(default);
         subject::check(&subject, mode, &surfaces)?;
         let clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
-        check_use(&args, mode, &clips)?;
+        check_use(&args, (mode, is_mesh), &clips)?;
         let viewpoint = viewpoint::of(&args, &file.camera)?;
         let [width, height] = file.output.size.unwrap_or(SIZE);
         let sides = NonZeroU32::new(width).zip(NonZeroU32::new(height));
@@ -120,6 +122,7 @@ impl RenderPlan {
             size,
             background: background(args.background.or(file.output.background)),
             depth: args.bits.into(),
+            is_on_screen: args.lod == LodWord::Screen,
             is_plan: args.plan,
             is_sheet: args.sheet,
             channels,
@@ -132,7 +135,11 @@ impl RenderPlan {
 }
 
 /// That what was typed is of use for what is shown.
-fn check_use(args: &RenderArgs, mode: ModeWord, clips: &[Clip]) -> Result<(), UsageError> {
+fn check_use(
+    args: &RenderArgs,
+    (mode, is_mesh): (ModeWord, bool),
+    clips: &[Clip],
+) -> Result<(), UsageError> {
     let shows_values = mode.shows_values() || clips.iter().any(|clip| clip.cap == CapStyle::Slice);
     if args.sheet && mode.shows_values() {
         let says = "--sheet is of isovalues: add --iso, or leave it out";
@@ -143,6 +150,9 @@ fn check_use(args: &RenderArgs, mode: ModeWord, clips: &[Clip]) -> Result<(), Us
             "--preset is for values and slices of them: add --mode raycast, or leave it out"
         }
         (_, Some(_)) if mode.shows_values() => "--smoothing is for surfaces: leave it out",
+        _ if args.lod != LodWord::Full && is_mesh => {
+            "--lod is for the samples of a volume, which a mesh has not: leave it out"
+        }
         _ => return Ok(()),
     };
     Err(UsageError(says.into()))

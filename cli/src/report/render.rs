@@ -56,6 +56,10 @@ pub(crate) struct RenderSkipped {
     pub(crate) samples: u64,
     /// Those that planes cut away from all surfaces, or that give nothing to a picture of splats.
     pub(crate) samples_skipped: u64,
+    /// How often samples were halved along x, y, z because pixels do not show them.
+    pub(crate) halvings: [u32; 3],
+    /// Bricks in which surfaces were lost by that.
+    pub(crate) bricks_lost: u64,
     /// Surfaces that were not made, and why.
     pub(crate) surfaces: Vec<SkippedSurface>,
     /// Triangles that were put into the picture.

@@ -138,6 +138,30 @@ fn the_report_says_what_was_not_computed() {
 }
 
 #[test]
+fn a_small_picture_needs_fewer_samples() {
+    let folder = Folder::with_ball();
+    for (what, skipped) in
+        [("--iso 50", "bricks_lost"), ("--iso 50 --mode iso-raycast", "cells"), ("", "steps")]
+    {
+        let line = format!("render ball.nii {what} --size 12x12 --report r.json -o");
+        folder.done(&format!("{line} full.png"));
+        let full = folder.json("r.json");
+        assert_eq!(full["skipped"]["halvings"], serde_json::json!([0, 0, 0]));
+        folder.done(&format!("{line} screen.png --lod screen"));
+        let screen = folder.json("r.json");
+        assert!(screen["skipped"]["halvings"][1].as_u64().unwrap() > 0, "{screen}");
+        let of = |report: &serde_json::Value| report["skipped"][skipped].as_u64().unwrap();
+        assert!(of(&screen) < of(&full) || skipped == "bricks_lost", "{screen}");
+        let (full, screen) = (pixels(&folder, "full.png").1, pixels(&folder, "screen.png").1);
+        let parts = full.iter().flatten().zip(screen.iter().flatten());
+        let differ: u32 = parts.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+        assert!(differ < 8 * 3 * 144, "{what}: {differ}");
+    }
+    let ran = folder.done("render ball.nii --size 12x12 --lod screen --plan");
+    assert!(ran.text().contains("looked at one sample of 2 x 2 x 2"), "{}", ran.text());
+}
+
+#[test]
 fn a_way_around_is_a_picture_for_each_step() {
     let folder = Folder::with_ball();
     folder.done("render ball.nii --iso 50 --size 20x20 --frames 3 -o turn.png");
@@ -187,6 +211,7 @@ fn words_that_do_not_fit_together_are_refused() {
         ("render ball.nii --smoothing 4 -o a.png", "--smoothing is for surfaces"),
         ("render ball.nii --iso 50 --preset auto -o a.png", "--preset is for values"),
         ("render a.stl --spacing 2,2,2 -o a.png", "a mesh has no samples"),
+        ("render a.stl --lod screen -o a.png", "--lod is for the samples of a volume"),
         ("render ball.nii --sheet -o a.png", "--sheet is of isovalues"),
         ("render ball.nii --depth d.npy -o a.png", "--depth and --normals are of surfaces"),
         ("render ball.nii --iso 50 --normals n.npy -o a.png", "--normals: expected a name"),

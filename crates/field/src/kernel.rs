@@ -111,7 +111,7 @@ fn cell(x: f64, size: usize) -> usize {
 
 /// The samples of the stencil of a cell.
 #[inline]
-fn around_cell(cell: usize, size: usize) -> Range<usize> {
+pub(crate) fn around_cell(cell: usize, size: usize) -> Range<usize> {
     let held = WIDTH.min(size);
     let first = cell.saturating_sub(1).min(size - held);
     first..first + held

@@ -12,10 +12,11 @@
 
 use crate::{
     Jet, ScalarField, Slope,
-    kernel::{Cubic, Stencil, WIDTH, samples, stretch},
+    kernel::{Cubic, Stencil, WIDTH, around_cell, samples, stretch},
 };
 use isokit_geom::Affine;
 use isokit_volume::{Dtype, Sample, View};
+use std::ops::Range;
 
 /// The cubic function through the samples of a volume.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +42,12 @@ impl<'a, T: Sample> Sampled<'a, T> {
     /// and those around, where half of the range is 1; more if the cell is at the border of the volume.
     pub fn growth(is_border: bool) -> f64 {
         stretch(is_border).powi(3)
+    }
+
+    /// The samples that the function is made of in a cell, given by its lowest corner, along x, y, z.
+    pub fn around(&self, cell: [usize; 3]) -> [Range<usize>; 3] {
+        let dims = self.view.dims();
+        std::array::from_fn(|axis| around_cell(cell[axis], dims[axis]))
     }
 
     /// The function in a cell, given by its lowest corner, as 4³ numbers of which it is the sum by Bernstein's polynomials of

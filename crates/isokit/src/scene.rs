@@ -3,7 +3,7 @@
 //! | step | function |
 //! | --- | --- |
 //! | know what is computed, and what not | [`Scene::needs`], [`Scene::needs_of_rays`] |
-//! | make the surfaces that can be seen | [`Scene::meshes`] |
+//! | make the surfaces that can be seen | [`Scene::meshes`], [`Scene::meshes_on_screen`] |
 //! | draw them, cut and capped | [`Scene::draw`] |
 //! | or trace rays to them, without a mesh | [`Scene::trace`] |
 //! | or cast rays through the values | [`Scene::cast`] |
@@ -13,11 +13,13 @@
 //! extracted; a surface that is transparent, or cut away altogether, is not. Samples that are NaN are outside.
 
 mod caps;
+mod detail;
 mod error;
 mod needs;
 mod preset;
 mod viewpoint;
 
+pub use detail::OnScreen;
 pub use error::SceneError;
 pub use needs::{Needs, SurfaceNeed, Unneeded};
 pub use preset::Preset;

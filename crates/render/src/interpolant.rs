@@ -62,11 +62,36 @@ impl<'a, T: Sample> Interpolant<'a, T> {
         }
     }
 
-    /// What a cell is made of by polynomials: [`Sampled::control_points`]. None where it is linear.
-    pub(crate) fn control_points(&self, cell: [usize; 3]) -> Option<[[[f64; 4]; 4]; 4]> {
-        let points = self.cubic?.control_points(cell);
-        let all = points.as_flattened().as_flattened();
-        all.iter().all(|point| point.is_finite()).then_some(points)
+    /// What a cell is made of by polynomials: [`Sampled::control_points`].
+    pub(crate) fn control_points(&self, cell: [usize; 3]) -> [[[f64; 4]; 4]; 4] {
+        let cubic = self.cubic.unwrap_or(Sampled::catmull_rom(*self.linear.view()));
+        cubic.control_points(cell)
+    }
+
+    /// From which value to which it may be in a cell, if it is cubic there.
+    pub(crate) fn reach_of_cubic(&self, cell: [usize; 3]) -> Option<[f64; 2]> {
+        let [x, y, z] = self.cubic?.around(cell);
+        let (view, dims) = (self.linear.view(), self.linear.view().dims());
+        let is_inner = |k: usize| cell[k] >= 1 && cell[k] + 2 < dims[k];
+        let is_border = !(0..3).all(is_inner);
+        let (mut least, mut greatest, mut is_finite) = (f64::INFINITY, f64::NEG_INFINITY, true);
+        for (k, j) in z.flat_map(|k| y.clone().map(move |j| (k, j))) {
+            let mut add = |sample: T| {
+                let stored = sample.to_f64();
+                is_finite &= stored.is_finite();
+                (least, greatest) = (least.min(stored), greatest.max(stored));
+            };
+            let four = if x.len() == 4 { view.four([x.start, j, k]) } else { None };
+            match four {
+                Some(four) => four.iter().for_each(|&sample| add(sample)),
+                None => x.clone().for_each(|i| add(view.stored([i, j, k]))),
+            }
+        }
+        let [a, b] = Self::reach([least, greatest], true, is_border);
+        let [a, b] = [a, b].map(|stored| view.scaling().value(stored));
+        // Sums of weighted samples are rounded.
+        let slack = 1e-13 * a.abs().max(b.abs());
+        is_finite.then_some([a.min(b) - slack, a.max(b) + slack])
     }
 
     /// From which value to which it is in a cell, in stored values, of which the samples are in a range: those of the

@@ -11,6 +11,7 @@
 //! changes no bit of the picture.
 
 mod cell;
+mod function;
 mod nonic;
 mod walk;
 

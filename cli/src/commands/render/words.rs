@@ -74,6 +74,7 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
         ModeWord::Raycast => None,
         _ => Some("samples, which planes cut away"),
     };
+    let every = skipped.halvings.map(|halvings| 1_u64 << halvings.min(63));
     let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;
     [
         (skipped.bricks > 0).then(|| {
@@ -83,6 +84,10 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
             };
             let [part, all] = [skipped.bricks_skipped, skipped.bricks].map(grouped);
             format!("{part} of {all} bricks hold {what}")
+        }),
+        (every != [1; 3]).then(|| {
+            let [x, y, z] = every;
+            format!("looked at one sample of {x} x {y} x {z}, which are nearer to each other than pixels")
         }),
         of_samples.and_then(|what| of(skipped.samples_skipped, skipped.samples, what)),
         of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),

@@ -10,7 +10,7 @@ use isokit_job::{Cancelled, Job, Stopped};
 use isokit_marching_cubes::{ExtractError, Extracted, Source, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{
-    AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any,
+    AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any, halved,
 };
 use std::{ops::Range, path::Path, slice, sync::OnceLock};
 
@@ -112,6 +112,31 @@ impl Scan {
             histogram: OnceLock::new(),
             ..self
         })
+    }
+
+    /// The part that is looked at with fewer samples, [halved](isokit_volume::halved) so often along x, y, z; none if
+    /// that is not once.
+    ///
+    /// # Errors
+    ///
+    /// If the job is cancelled or does not allow the samples' memory.
+    ///
+    /// # Panics
+    ///
+    /// If samples are so far apart that no number is so many times their distance.
+    pub fn halved(&self, mut halvings: [u32; 3], job: &Job) -> Result<Option<Self>, Stopped> {
+        let mut coarse: Option<AnyVolume> = None;
+        while halvings != [0; 3] {
+            let axes = halvings.map(|left| left > 0);
+            halvings = halvings.map(|left| left.saturating_sub(1));
+            let next = match &coarse {
+                None => for_any!(&self.volume, volume => halved(&self.view(volume), axes, job))?,
+                Some(coarse) => for_any!(coarse, volume => halved(&volume.view(), axes, job))?,
+            };
+            coarse = Some(next);
+        }
+        let (format, notes) = (self.format, self.notes.clone());
+        Ok(coarse.map(|volume| Self { format, notes, ..Self::new(volume) }))
     }
 
     /// The whole volume, of which a part may be looked at.

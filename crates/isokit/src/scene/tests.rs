@@ -1,5 +1,7 @@
 //! Balls within balls: seen, cut and left out.
 
+mod detail;
+
 use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
 use crate::pipeline::Scan;
 use isokit_geom::{Aabb, Affine, Frame, HalfSpace, Space};

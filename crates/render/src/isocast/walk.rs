@@ -1,6 +1,9 @@
 //! One ray, cell by cell.
 
-use super::{Isosurface, Traced, cell::Cubic, nonic::Nonic};
+use super::{
+    Isosurface, Traced,
+    function::{Function, Kept},
+};
 use crate::{Cap, Gathered, Interpolant, Paint, Ray, gather::OPAQUE, shading::Shading};
 use isokit_geom::vector::Vector;
 use isokit_lanes::{Side, Threshold};
@@ -27,6 +30,8 @@ pub(super) struct Known {
     /// What it meets of caps, from the farthest on.
     caps: Vec<(f64, Gathered)>,
     gathered: Gathered,
+    /// Of cells that it, or one beside it, went through.
+    kept: Kept,
 }
 
 /// A surface that is met.
@@ -39,70 +44,11 @@ struct Met {
     border: Option<usize>,
 }
 
-/// What is between the samples of a cell.
-enum Function<T> {
-    /// By its corners.
-    Trilinear([T; 8]),
-    /// By control points, and the least and the greatest of them.
-    Cubic(Box<[[[f64; 4]; 4]; 4]>, [f64; 2]),
-}
-
-/// The same along a ray.
-enum Line {
-    Cubic(Cubic),
-    Nonic(Nonic),
-}
-
-impl<T: Sample> Function<T> {
-    fn of(field: &Interpolant<'_, T>, cell: [usize; 3]) -> Self {
-        match field.control_points(cell) {
-            None => Self::Trilinear(field.linear.view().cell(cell)),
-            Some(points) => {
-                let all = points.as_flattened().as_flattened();
-                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-                let greatest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                Self::Cubic(Box::new(points), [least, greatest])
-            }
-        }
-    }
-
-    /// Whether all of the cell is inside of a surface, or nothing of it; none where that cannot be said.
-    fn is_inside(&self, (iso, threshold): (f64, Threshold<T>)) -> Option<bool> {
-        let (is_none, is_all) = match self {
-            Self::Trilinear(corners) => {
-                let inside = corners.iter().filter(|&&sample| threshold.is_inside(sample)).count();
-                (inside == 0, inside == corners.len())
-            }
-            Self::Cubic(_, [least, greatest]) => (*greatest < iso, *least >= iso),
-        };
-        (is_none || is_all).then_some(is_all)
-    }
-
-    fn between(&self, field: &Interpolant<'_, T>, from: Vector, to: Vector) -> Line {
-        match self {
-            Self::Trilinear(corners) => {
-                let scaling = field.linear.view().scaling();
-                let corners = corners.map(|sample| scaling.value(sample.to_f64()));
-                Line::Cubic(Cubic::between(corners, from, to))
-            }
-            Self::Cubic(points, _) => Line::Nonic(Nonic::between(points, from, to)),
-        }
-    }
-}
-
-impl Line {
-    fn crossings(&self, iso: f64, is_inside: bool, meet: impl FnMut(f64)) -> bool {
-        match self {
-            Self::Cubic(cubic) => cubic.crossings(iso, is_inside, meet),
-            Self::Nonic(nonic) => nonic.crossings(iso, is_inside, meet),
-        }
-    }
-}
-
 impl<T: Sample> Walk<'_, T> {
     pub(super) fn begin(&self) -> Known {
         let is_inside = vec![false; self.surfaces.len()];
-        Known { is_inside, met: vec![], caps: vec![], gathered: Gathered::NOTHING }
+        let kept = Kept::for_rays_through(self.field.is_cubic());
+        Known { is_inside, met: vec![], caps: vec![], gathered: Gathered::NOTHING, kept }
     }
 
     /// What a ray gathers.
@@ -223,7 +169,7 @@ impl<T: Sample> Walk<'_, T> {
         border: Option<usize>,
         known: &mut Known,
     ) {
-        let function = Function::of(&self.field, cell);
+        let function = Function::of(&self.field, cell, &mut known.kept);
         let mut line = None;
         for (surface, &threshold) in self.thresholds.iter().enumerate() {
             let iso = self.surfaces[surface].iso;
@@ -245,7 +191,7 @@ impl<T: Sample> Walk<'_, T> {
                 let local = |place: Vector| -> Vector {
                     std::array::from_fn(|k| (place[k] - cell[k] as f64).clamp(0.0, 1.0))
                 };
-                function.between(&self.field, local(from), local(to))
+                function.between(&self.field, &mut known.kept, [local(from), local(to)])
             });
             *is_inside = line.crossings(iso, *is_inside, |share| {
                 met.push(Met { far: near + share * (far - near), surface, border: None });
