@@ -5,9 +5,10 @@ Times are of a picture in memory from samples or surfaces in memory, medians of 
 the contenders take turns; what is found out once for pictures from all sides (blocks in which
 something can be seen, meshes; what VTK keeps of a volume) is apart.
 Errors of ray casting are root mean squares of colours from 0 to 1 against a picture of the same
-program with steps of a sixteenth, before black, rounded to 8 bits as VTK's are. VTK's ray caster is
-vtkFixedPointVolumeRayCastMapper; its surfaces are drawn by OpenGL on the processor, with depth
-peeling. Started by `scripts/bench_render`.
+program with steps of a sixteenth, before black, rounded to 8 bits as VTK's are; and, by the books,
+against rays in float64 that are neither's, at every eighth pixel of every eighth row. VTK's ray
+caster is vtkFixedPointVolumeRayCastMapper; its surfaces are drawn by OpenGL on the processor, with
+depth peeling. Started by `scripts/bench_render`.
 """
 
 import argparse
@@ -20,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 from kit import bench_machine
+from kit import bench_render_reference as reference
 from kit.bench_volumes import Absent, Store, Volume
 from kit.bench_worker import Failed, Worker
 from kit.data import as_json
@@ -116,15 +118,18 @@ def values(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
         store.nifti("MNI152", "nifti/mni152_t1_1mm.nii.gz", 60.5),
     ]
     for volume in volumes:
-        transfer, own = SCENES[volume.name], Own(volume)
+        transfer, own, field = SCENES[volume.name], Own(volume), reference.Field(volume)
         for lit in (True, False):
             view = view_of(volume, size, threads, lit)
+            exact = reference.picture(field, view, transfer)
+            few = np.s_[:: reference.EVERY, :: reference.EVERY]
             for step in (1.0, 0.5):
                 theirs = Caster(volume, view, transfer, step)
-                ours_s, integrated_s, theirs_s = interleaved(
+                ours_s, integrated_s, cubic_s, theirs_s = interleaved(
                     rounds,
                     lambda: own.cast(view, transfer, step)["seconds"],
                     lambda: own.cast(view, transfer, step, integrated=True)["seconds"],
+                    lambda: own.cast(view, transfer, step, cubic=True)["seconds"],
                     theirs.seconds,
                 )
                 fine = Caster(volume, view, transfer, step / FINE)
@@ -143,7 +148,9 @@ def values(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
                         "VTK error": rms(theirs.picture(), theirs_fine),
                         "integrated ms": 1e3 * integrated_s,
                         "integrated error": rms(eight_bits(integrated), ours_fine),
-                        "VTK error against isokit's fine steps": rms(theirs.picture(), ours_fine),
+                        "cubic ms": 1e3 * cubic_s,
+                        "isokit error by the books": rms(ours[few], exact),
+                        "VTK error by the books": rms(theirs.picture()[few], exact),
                     }
                 )
                 say(rows[-1])
@@ -191,7 +198,7 @@ def whole(answer: dict) -> float:
 
 
 def skipped(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
-    """What leaps and an early end are worth, and a plane that cuts more and more away."""
+    """What leaps, an early end and fewer samples are worth, and a plane that cuts."""
     rows = []
     volume = store.nifti("bonsai", "volvis/bonsai.nii.gz", 37.5)
     own, view = Own(volume), view_of(volume, size, threads)
@@ -226,6 +233,24 @@ def skipped(store: Store, rounds: int, size: int, threads: int) -> list[dict]:
                 "what": f"bonsai {size}² as thin fog, {share:.0%} of it left by a plane",
                 "with ms": 1e3 * seconds,
                 "steps": steps,
+            }
+        )
+        say(rows[-1])
+    for pixels in (size, size // 4, size // 8):
+        small = view_of(volume, pixels, threads)
+        few, every = (
+            lambda small=small: own.cast(small, transfer, 0.5, lod=True)["seconds"],
+            lambda small=small: own.cast(small, transfer, 0.5)["seconds"],
+        )
+        few_s, every_s = interleaved(rounds, few, every)
+        pictures = [own.picture(own.cast, small, transfer, 0.5, lod=lod) for lod in (True, False)]
+        rows.append(
+            {
+                "what": f"bonsai {pixels}², no more samples than pixels show",
+                "with ms": 1e3 * few_s,
+                "without ms": 1e3 * every_s,
+                "times faster": every_s / few_s,
+                "root mean square difference": rms(*pictures),
             }
         )
         say(rows[-1])

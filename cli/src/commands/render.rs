@@ -70,9 +70,12 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     }
     if has_pictures && !is_plan {
         if let (Some(scan), ModeWord::Surfaces) = (&seen.scan, plan.mode) {
-            let made = timed(&mut timings.extract, || match plan.is_on_screen {
-                true => detail::meshes(plan, (&seen.scene, scan), &mut skipped, session),
-                false => Ok(seen.scene.meshes(scan, &session.job)?),
+            let made = timed(&mut timings.extract, || {
+                let scene = plan.neediest(&seen.scene);
+                match plan.is_on_screen {
+                    true => detail::meshes(plan, (&scene, scan), &mut skipped, session),
+                    false => Ok(scene.meshes(scan, &session.job)?),
+                }
             });
             seen.meshes = made?;
         }

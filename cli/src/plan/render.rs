@@ -25,7 +25,7 @@ use isokit::{
     render::{
         Background, Channel, Depth, Pattern, RasterOptions, RaycastOptions, Size, SolidTexture,
     },
-    scene::{CapStyle, Clip, Viewpoint},
+    scene::{CapStyle, Clip, Scene, Viewpoint},
 };
 use std::{num::NonZeroU32, path::PathBuf};
 
@@ -131,6 +131,17 @@ impl RenderPlan {
             targets,
             report,
         })
+    }
+}
+
+impl RenderPlan {
+    /// The scene as that picture has it that needs most of surfaces.
+    pub(crate) fn neediest(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        if self.channels.iter().any(|(channel, _)| *channel == Channel::Normal) {
+            scene.raster = scene.raster.with_channel(Channel::Normal);
+        }
+        scene
     }
 }
 

@@ -13,7 +13,7 @@ use isokit::{
         Paint, Painted, Projection, RasterOptions, RaycastOptions, Raycaster, Size, Smoothing,
         TransferFunction, isocast, rasterize,
     },
-    scene::Scene,
+    scene::{Scene, Viewpoint},
     volume::{Bricks, Dtype, Grid, Sample, Volume, for_any, for_dtype},
 };
 use serde::{Deserialize, Serialize};
@@ -73,6 +73,12 @@ struct Casting {
     /// Whether steps are looked up by the values at both ends.
     #[serde(default)]
     integrated: bool,
+    /// Whether values between samples are cubic.
+    #[serde(default)]
+    cubic: bool,
+    /// Whether samples that are nearer to each other than pixels are left out.
+    #[serde(default)]
+    lod: bool,
 }
 
 /// A surface: its value, colour in linear light, and opacity.
@@ -122,7 +128,12 @@ fn answer(request: Request, scan: &mut Option<Scan>) -> Result<Answer, Failure> 
         }
         Request::Cast { view, cast } => {
             let scan = scan.as_ref().ok_or("nothing is loaded")?;
-            for_any!(scan.volume(), volume => casting(volume, &view, &cast))
+            let start = Instant::now();
+            let coarse = if cast.lod { view.halved(scan)? } else { None };
+            let before = start.elapsed().as_secs_f64();
+            let scan = coarse.as_ref().unwrap_or(scan);
+            let answer = for_any!(scan.volume(), volume => casting(volume, &view, &cast))?;
+            Ok(Answer { before: answer.before + before, ..answer })
         }
         Request::Draw { view, surfaces, rays } => {
             let scan = scan.as_ref().ok_or("nothing is loaded")?;
@@ -145,7 +156,9 @@ fn casting<T: Sample>(volume: &Volume<T>, view: &View, cast: &Casting) -> Result
     let default = RaycastOptions::DEFAULT;
     let options = default.with_step(cast.step).with_light(view.light());
     let options = options.with_opaque(cast.opaque.unwrap_or(default.opaque));
-    let options = options.with_integrated(cast.integrated);
+    let kernel = if cast.cubic { Kernel::CatmullRom } else { Kernel::Linear };
+    // Samples are 1 apart, of which some may be left out.
+    let options = options.with_integrated(cast.integrated).with_kernel(kernel).with_unit(Some(1.0));
     let seen = volume.view();
     let start = Instant::now();
     let bricks = cast.leap.then(|| Bricks::of(&seen, &job)).transpose()?;
@@ -206,6 +219,13 @@ fn tracing<T: Sample>(
 }
 
 impl View {
+    /// As few samples as its pixels show, if they are fewer.
+    fn halved(&self, scan: &Scan) -> Result<Option<Scan>, Failure> {
+        let viewpoints = [Viewpoint::of(&self.camera()?)];
+        let halvings = Scene::halvings(scan, scan.around().0, (&viewpoints, self.size()?))?;
+        Ok(scan.halved(halvings, &self.job()?)?)
+    }
+
     fn job(&self) -> Result<Job, Failure> {
         let count = NonZeroUsize::new(self.threads).ok_or("threads are one or more")?;
         let job = Job { threads: Threads::new(count)?, ..Job::default() };

@@ -25,7 +25,7 @@ pub use needs::{Needs, SurfaceNeed, Unneeded};
 pub use preset::Preset;
 pub use viewpoint::Viewpoint;
 
-use crate::pipeline::{Scan, SurfaceOptions};
+use crate::pipeline::{Normals, Scan, SurfaceOptions};
 use caps::Caps;
 use isokit_geom::{Aabb, HalfSpace, Space, vector::Vector};
 use isokit_job::Job;
@@ -115,7 +115,7 @@ impl Scene {
     }
 
     /// The surfaces of a scan that can be seen, each as far as it is not cut away, or a few cells farther; empty
-    /// meshes for the others.
+    /// meshes for the others. Without normals, if no picture of the scene asks for them.
     ///
     /// # Errors
     ///
@@ -125,6 +125,8 @@ impl Scene {
         let parts: Vec<_> =
             self.surfaces.iter().map(|look| self.part_of(look, scan).ok()).collect();
         let mut meshes = vec![TriMesh::default(); parts.len()];
+        let normals = if self.raster.needs_normals() { Normals::Gradient } else { Normals::None };
+        let options = Self::surface_options().with_normals(normals);
         // Surfaces of the same part are made in one pass.
         for n in 0..parts.len() {
             let Some(part) = &parts[n] else { continue };
@@ -133,7 +135,8 @@ impl Scene {
             }
             let same: Vec<usize> = (n..parts.len()).filter(|&m| parts[m] == parts[n]).collect();
             let isos: Vec<f64> = same.iter().filter_map(|&m| self.surfaces[m].iso).collect();
-            let made = scan.meshes_of_part(part, &isos, &Self::surface_options(), job)?;
+            let mut made = vec![TriMesh::default(); isos.len()];
+            scan.meshes_of_part(part, &isos, &options, &mut made, job)?;
             for (m, mesh) in same.into_iter().zip(made) {
                 meshes[m] = mesh;
             }

@@ -128,6 +128,15 @@ pub enum Smoothing {
 }
 
 impl RasterOptions {
+    /// Whether the picture depends on the normals of surfaces.
+    pub fn needs_normals(&self) -> bool {
+        match self.channel {
+            Channel::Color => self.light.is_some(),
+            Channel::Normal => true,
+            Channel::Depth => false,
+        }
+    }
+
     /// The defaults named above.
     pub const DEFAULT: Self =
         Self { light: Some(Light::DEFAULT), smoothing: Smoothing::Four, ..Self::PLAIN };

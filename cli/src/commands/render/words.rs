@@ -38,7 +38,11 @@ pub(super) fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped
                 (None, Some(iso)) if plan.mode == ModeWord::IsoRaycast => {
                     format!("found by rays at {iso}")
                 }
-                (None, Some(iso)) => format!("extracted at {iso}, with normals"),
+                (None, Some(iso)) => {
+                    let has_normals = plan.neediest(&seen.scene).raster.needs_normals();
+                    let how = if has_normals { "with" } else { "without" };
+                    format!("extracted at {iso}, {how} normals")
+                }
                 (None, None) => "read".to_owned(),
             };
             lines.push(format!("  {}: {what}", look.name));

@@ -294,6 +294,18 @@ impl Scan {
         meshes: &mut [TriMesh],
         job: &Job,
     ) -> Result<Vec<Extracted>, PipelineError> {
+        self.meshes_of_part(&self.part, isos, options, meshes, job)
+    }
+
+    /// The same in a part of the whole volume, which must have it.
+    pub(crate) fn meshes_of_part(
+        &self,
+        part: &[Range<usize>; 3],
+        isos: &[f64],
+        options: &SurfaceOptions,
+        meshes: &mut [TriMesh],
+        job: &Job,
+    ) -> Result<Vec<Extracted>, PipelineError> {
         for mesh in &mut *meshes {
             match options.normals {
                 Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
@@ -302,9 +314,9 @@ impl Scan {
         }
         let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let extracted = for_any!(&self.volume, volume => {
-            extract_many(self.source(volume, isos), isos, &options.extract, &mut sinks, job)
+            extract_many(self.source(volume, part, isos), isos, &options.extract, &mut sinks, job)
         });
-        let mut extracted = extracted.map_err(|error| in_whole(error, &self.part))?;
+        let mut extracted = extracted.map_err(|error| in_whole(error, part))?;
         drop(sinks);
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
@@ -332,29 +344,6 @@ impl Scan {
         Remark::among(self, dims, (iso, counts), options, job)
     }
 
-    /// The surfaces of several isovalues in a part of the whole volume, which must have it.
-    pub(crate) fn meshes_of_part(
-        &self,
-        part: &[Range<usize>; 3],
-        isos: &[f64],
-        options: &SurfaceOptions,
-        job: &Job,
-    ) -> Result<Vec<TriMesh>, PipelineError> {
-        let mut meshes = vec![TriMesh::with_normals(); isos.len()];
-        if *part == self.part {
-            self.meshes_into(isos, options, &mut meshes, job)?;
-            return Ok(meshes);
-        }
-        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
-        let extracted = for_any!(&self.volume, volume => {
-            let source = Source::from(&part_of(volume, part));
-            extract_many(source, isos, &options.extract, &mut sinks, job)
-        });
-        extracted.map_err(|error| in_whole(error, part))?;
-        drop(sinks);
-        Ok(meshes)
-    }
-
     /// The box of the part in the world, and the world's axes.
     pub fn around(&self) -> (Aabb, Space) {
         (for_any!(&self.volume, volume => self.view(volume).grid().bounds()), self.frame().space)
@@ -364,9 +353,14 @@ impl Scan {
         part_of(volume, &self.part)
     }
 
-    /// The view, with bricks if they are of all of it and worth it.
-    fn source<'a, T: Sample>(&'a self, volume: &'a Volume<T>, isos: &[f64]) -> Source<'a, T> {
-        let (view, bricks) = (self.view(volume), self.bricks.as_ref().and_then(AnyBricks::of));
+    /// The samples of a part, with bricks if they are of all of it and worth it.
+    fn source<'a, T: Sample>(
+        &'a self,
+        volume: &'a Volume<T>,
+        part: &[Range<usize>; 3],
+        isos: &[f64],
+    ) -> Source<'a, T> {
+        let (view, bricks) = (part_of(volume, part), self.bricks.as_ref().and_then(AnyBricks::of));
         let each: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
         let is_worth_it = |bricks: &&Bricks<T>| bricks.active_share(&each) <= MOST_ACTIVE;
         let bricks = bricks.filter(is_worth_it);
