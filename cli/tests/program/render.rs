@@ -143,7 +143,7 @@ fn the_report_says_what_was_not_computed() {
 fn a_small_picture_needs_fewer_samples() {
     let folder = Folder::with_ball();
     for (what, skipped) in
-        [("--iso 50", "bricks_lost"), ("--iso 50 --mode iso-raycast", "cells"), ("", "steps")]
+        [("--iso 20", "bricks_lost"), ("--iso 20 --mode iso-raycast", "cells"), ("", "steps")]
     {
         let line = format!("render ball.nii {what} --size 5x5 --report r.json -o");
         folder.done(&format!("{line} full.png"));

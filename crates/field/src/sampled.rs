@@ -50,10 +50,10 @@ impl<'a, T: Sample> Sampled<'a, T> {
         std::array::from_fn(|axis| around_cell(cell[axis], dims[axis]))
     }
 
-    /// The function in a cell, given by its lowest corner, as 4³ numbers of which it is the sum by Bernstein's polynomials of
-    /// degree 3 along x (in the rows), y and z, which run from 0 to 1 in the cell. It has no value there that is beyond all
-    /// of them. They are not finite where a sample is not that it is made of. Farin 2002, "Curves and surfaces for
-    /// CAGD", chapters 5 and 15.
+    /// The function in a cell, given by its lowest corner, as 4³ numbers of which it is the sum by Bernstein's
+    /// polynomials of degree 3 along x (in the rows), y and z, which run from 0 to 1 in the cell. It has no value there
+    /// that is beyond all of them. They are not finite where a sample is not that it is made of. Farin 2002, "Curves
+    /// and surfaces for CAGD", chapters 5 and 15.
     ///
     /// # Panics
     ///
@@ -103,7 +103,7 @@ impl<'a, T: Sample> Sampled<'a, T> {
         let along_x = x.samples();
         for (c, k) in z.samples().enumerate() {
             for (stored, j) in stored.iter_mut().zip(y.samples()) {
-                let four = (along_x.len() == WIDTH).then(|| [along_x.start, j, k]);
+                let four = (along_x.len() == WIDTH).then_some([along_x.start, j, k]);
                 if let Some(four) = four.and_then(|place| self.view.four(place)) {
                     for (stored, sample) in stored.iter_mut().zip(four) {
                         stored[c] = sample.to_f64();

@@ -3,8 +3,9 @@
 //! A ray goes from cell to cell (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing"). In a cell
 //! the values along it are a cubic, whose crossings are between the places where it turns (`cell.rs`; Marmitt,
 //! Kleer, Wald, Friedrich & Slusallek 2004, "Fast and accurate ray-voxel intersection techniques for iso-surface
-//! ray tracing"). Where a kernel makes cubics of samples, it is a polynomial of degree 9 (`nonic.rs`). Whether the ray is inside is handed from cell to cell, so that it goes in and out by turns
-//! whatever rounding does: what a ray meets is what it meets of a closed surface.
+//! ray tracing"). Where a kernel makes cubics of samples, it is a polynomial of degree 9 (`nonic.rs`). Whether the ray
+//! is inside is handed from cell to cell, so that it goes in and out by turns whatever rounding does: what a ray meets
+//! is what it meets of a closed surface.
 //!
 //! What is beyond the volume is outside: a surface is closed by caps along the border, as the mesh of the extractor is.
 //! A cell with a sample that is NaN is outside. Bricks that no surface goes through are passed in one step, which
@@ -13,6 +14,7 @@
 mod cell;
 mod function;
 mod nonic;
+mod root;
 mod walk;
 
 use crate::{
@@ -153,22 +155,21 @@ fn sides<T: Sample>(
         return sides;
     }
     // Cubics look at samples of other bricks, and lead beyond them.
-    for number in 0..sides.of_brick.len() {
-        let (grid, own) = (sides.grid, sides.of_brick[number]);
-        let [nx, ny, _] = grid.counts();
+    let (grid, [nx, ny, _]) = (sides.grid, sides.grid.counts());
+    for (number, side) in sides.of_brick.iter_mut().enumerate() {
         let brick = [number % nx, number / nx % ny, number / nx / ny];
         let all = near(bricks, brick, 1).reduce(|a, b| a.with(b));
         let range = all.and_then(|all| all.range()).map(|range| range.map(Sample::to_f64));
-        let Some(range) = range.filter(|_| own != Side::Both) else { continue };
+        let Some(range) = range.filter(|_| *side != Side::Both) else { continue };
         let reach = Interpolant::<T>::reach(range, true, on_border(brick, grid.counts()));
         let [a, b] = reach.map(|stored| scaling.value(stored));
         let slack = 1e-13 * a.abs().max(b.abs());
-        let is_sure = match own {
+        let is_sure = match side {
             Side::Inside => a.min(b) - slack >= surface.iso,
             _ => a.max(b) + slack < surface.iso,
         };
         if !is_sure {
-            sides.of_brick[number] = Side::Both;
+            *side = Side::Both;
         }
     }
     sides

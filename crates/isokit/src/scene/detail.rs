@@ -27,7 +27,7 @@ const FEWEST: usize = 8;
 
 impl Scene {
     /// How often samples can be [halved](Scan::halved) along x, y, z so that in a picture of a box from each of the
-    /// viewpoints they are nowhere farther from each other than pixels.
+    /// viewpoints they are nowhere in it farther from each other than pixels.
     ///
     /// # Errors
     ///
@@ -37,11 +37,11 @@ impl Scene {
         bounds: Aabb,
         (viewpoints, size): (&[Viewpoint], Size),
     ) -> Result<[u32; 3], SceneError> {
-        let (around, space) = scan.around();
+        let space = scan.around().1;
         let mut pixel = f64::INFINITY;
         for viewpoint in viewpoints {
             let camera = viewpoint.camera((bounds, space), size)?;
-            let ahead = around.corners().map(|corner| camera.view(corner)[2]);
+            let ahead = bounds.corners().map(|corner| camera.view(corner)[2]);
             let nearest = match camera.projection() {
                 Projection::Parallel { .. } => 1.0,
                 Projection::Perspective { .. } => ahead.into_iter().fold(f64::INFINITY, f64::min),

@@ -124,7 +124,7 @@ impl<T: Lane> Between<'_, T> {
         ];
         let zero = wide.f32(0.0);
         // Of each slice its value and how it rises along x and y.
-        let mut slices = [[zero; 4]; 3];
+        let (mut values, mut along_x, mut along_y) = ([zero; 4], [zero; 4], [zero; 4]);
         for k in 0..4 {
             let (mut rows, mut rises) = ([zero; 4], [zero; 4]);
             for j in 0..4 {
@@ -144,13 +144,12 @@ impl<T: Lane> Between<'_, T> {
                     rises[j] = x.rise(row);
                 }
             }
-            slices[0][k] = y.value(rows);
+            values[k] = y.value(rows);
             if WITH_GRADIENT {
-                slices[1][k] = y.value(rises);
-                slices[2][k] = y.rise(rows);
+                along_x[k] = y.value(rises);
+                along_y[k] = y.rise(rows);
             }
         }
-        let [values, along_x, along_y] = slices;
         let gradient = match WITH_GRADIENT {
             true => [z.value(along_x), z.value(along_y), z.rise(values)],
             false => [zero; 3],

@@ -1,5 +1,7 @@
 //! The values of a cell along a ray.
 
+use super::root::root;
+
 /// A cubic on the way through a cell, from 0 to 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cubic([f64; 4]);
@@ -32,6 +34,11 @@ impl Cubic {
         a + t * (b + t * (c + t * d))
     }
 
+    fn rise(&self, t: f64) -> f64 {
+        let [_, b, c, d] = self.0;
+        b + t * (2.0 * c + t * 3.0 * d)
+    }
+
     /// Names each place where the way goes in or out of what is `iso` or more, in order. It begins as `is_inside`
     /// says, whatever the cubic has there; how it ends comes back.
     pub(super) fn crossings(
@@ -44,7 +51,7 @@ impl Cubic {
         for to in self.turns().into_iter().chain([1.0]) {
             let is_inside_there = self.at(to) >= iso;
             if is_inside_there != is_inside {
-                meet(self.crossing(iso, [from, to], is_inside_there));
+                meet(root(|t| [self.at(t) - iso, self.rise(t)], [from, to], is_inside_there));
                 is_inside = is_inside_there;
             }
             from = to;
@@ -63,27 +70,6 @@ impl Cubic {
         let sum = -(c + root.copysign(c));
         let turns = [sum / (3.0 * d), b / sum].map(|t| if t > 0.0 && t < 1.0 { t } else { 1.0 });
         [turns[0].min(turns[1]), turns[0].max(turns[1])]
-    }
-
-    /// Where between two places, between which it does not turn, it is `iso`: by Newton's steps, within what is left
-    /// of a bracket (Press et al., "Numerical recipes", section 9.4).
-    fn crossing(&self, iso: f64, [mut from, mut to]: [f64; 2], is_inside_there: bool) -> f64 {
-        let [_, b, c, d] = self.0;
-        let mut t = 0.5 * (from + to);
-        for _ in 0..60 {
-            let value = self.at(t) - iso;
-            match (value >= 0.0) == is_inside_there {
-                true => to = t,
-                false => from = t,
-            }
-            let newton = t - value / (b + t * (2.0 * c + t * 3.0 * d));
-            let next = if newton >= from && newton <= to { newton } else { 0.5 * (from + to) };
-            if (next - t).abs() <= 1e-15 {
-                return next;
-            }
-            t = next;
-        }
-        t
     }
 }
 

@@ -1,5 +1,7 @@
 //! The values of a cubic cell along a ray.
 
+use super::root::root;
+
 /// A polynomial of degree 9 on the way through a cell, from 0 to 1, as numbers of which it is the sum by Bernstein's
 /// polynomials. It is nowhere beyond all of them.
 #[derive(Clone, Copy, Debug)]
@@ -88,34 +90,15 @@ fn crossings(
     }
     let is_inside_there = points[9] >= 0.0;
     if is_inside_there != is_inside {
-        let share = if changes == 1 { root(&points) } else { 0.0 };
+        let share =
+            if changes == 1 { root(|t| at(&points, t), [0.0, 1.0], is_inside_there) } else { 0.0 };
         meet(from + share * (to - from));
     }
     is_inside_there
 }
 
-/// Where between 0 and 1 the one change of sides is: by Newton's steps, within what is left of a bracket (Press et al.,
-/// "Numerical recipes", section 9.4).
-fn root(points: &[f64; 10]) -> f64 {
-    let (mut from, mut to, mut t) = (0.0, 1.0, 0.5);
-    for _ in 0..60 {
-        let (value, rise) = at(points, t);
-        match (value >= 0.0) == (points[9] >= 0.0) {
-            true => to = t,
-            false => from = t,
-        }
-        let newton = t - value / rise;
-        let next = if newton >= from && newton <= to { newton } else { 0.5 * (from + to) };
-        if (next - t).abs() <= 1e-15 {
-            return next;
-        }
-        t = next;
-    }
-    t
-}
-
 /// The value at a place and how it rises there (de Casteljau's scheme; Farin 2002, section 4.2).
-fn at(points: &[f64; 10], t: f64) -> (f64, f64) {
+fn at(points: &[f64; 10], t: f64) -> [f64; 2] {
     let mut points = *points;
     for last in (1..9).rev() {
         for n in 0..=last {
@@ -123,17 +106,17 @@ fn at(points: &[f64; 10], t: f64) -> (f64, f64) {
         }
     }
     let rise = points[1] - points[0];
-    (points[0] + rise * t, 9.0 * rise)
+    [points[0] + rise * t, 9.0 * rise]
 }
 
 /// The same polynomial on the two halves of the way.
 fn halves(mut points: [f64; 10]) -> ([f64; 10], [f64; 10]) {
     let mut left = points;
-    for n in 1..10 {
-        for m in 0..10 - n {
+    for (n, left) in left.iter_mut().enumerate() {
+        *left = points[0];
+        for m in 0..9 - n {
             points[m] = 0.5 * (points[m] + points[m + 1]);
         }
-        left[n] = points[0];
     }
     (left, points)
 }
@@ -167,9 +150,9 @@ mod tests {
                 let parts = all
                     .map(|[i, j, k]| points[k][j][i] * weight(i, x) * weight(j, y) * weight(k, z));
                 let expected: f64 = parts.sum();
-                assert!((at(&nonic.0, t).0 - expected).abs() < 1e-14, "{t}");
-                let [low, high] = [t - 1e-5, t + 1e-5].map(|t| at(&nonic.0, t).0);
-                assert!((at(&nonic.0, t).1 - (high - low) / 2e-5).abs() < 1e-7, "{t}");
+                assert!((at(&nonic.0, t)[0] - expected).abs() < 1e-14, "{t}");
+                let [low, high] = [t - 1e-5, t + 1e-5].map(|t| at(&nonic.0, t)[0]);
+                assert!((at(&nonic.0, t)[1] - (high - low) / 2e-5).abs() < 1e-7, "{t}");
             }
         }
     }
@@ -182,7 +165,7 @@ mod tests {
             let nonic =
                 Nonic(std::array::from_fn(|n| next() * [0.1, 1.0, 9.0][n.min(9 - n).min(2)]));
             let mut met = vec![];
-            let value = |t| at(&nonic.0, t).0;
+            let value = |t| at(&nonic.0, t)[0];
             let ends = nonic.crossings(0.0, value(0.0) >= 0.0, |t| met.push(t));
             assert_eq!(ends, value(1.0) >= 0.0);
             assert!(met.is_sorted() && met.iter().all(|t| (0.0..=1.0).contains(t)));
