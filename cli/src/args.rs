@@ -72,6 +72,14 @@ pub(crate) enum Command {
 Example:
   isokit info ct.nii.gz")]
     Info(InfoArgs),
+    /// Say which isovalues of a volume are worth a look, and why
+    ///
+    /// Those that part the samples into classes, and those where much of a boundary runs, or a sharp one.
+    #[command(after_help = "\
+Examples:
+  isokit suggest ct.nii.gz
+  isokit suggest ct.nii.gz --plot values.png")]
+    Suggest(SuggestArgs),
     /// Turn a volume into a mesh: the surface where the samples have a value
     Extract(Box<ExtractArgs>),
     /// Find out whether a mesh is closed, manifold, oriented and free of bad triangles
@@ -110,6 +118,20 @@ pub(crate) struct InfoArgs {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) volume: VolumeArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SuggestArgs {
+    /// The volume
+    pub(crate) file: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Draw how often values occur, how much surface there is at each, and how steep: a .png
+    #[arg(long, value_name = "PNG")]
+    pub(crate) plot: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) volume: VolumeArgs,
 }

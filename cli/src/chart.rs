@@ -1,4 +1,5 @@
-//! Pictures that are drawn: what values look like, over how often they occur; and words on pictures.
+//! Pictures that are drawn: what values look like, and what surface there is at each, over how often they occur; and
+//! words on pictures.
 
 use anyhow::Result;
 use embedded_graphics::{
@@ -12,6 +13,7 @@ use isokit::{
     job::Job,
     mesh::{Rgba, srgb_of_linear},
     render::{Gathered, Image, OpticalModel, Size, TransferFunction},
+    spectrum::{Contour, ContourSpectrum},
     volume::Histogram,
 };
 use std::{convert::Infallible, num::NonZeroU32};
@@ -76,6 +78,119 @@ const FREE: [i32; 4] = [56, 24, 34, 62];
 const INK: Rgb888 = Rgb888::new(0x30, 0x30, 0x30);
 const GREY: Rgb888 = Rgb888::new(0xc4, 0xc8, 0xcc);
 const PAPER: Rgb888 = Rgb888::new(0xff, 0xff, 0xff);
+const MARK: Rgb888 = Rgb888::new(0x90, 0x90, 0x90);
+/// Told apart by all eyes (Okabe & Ito 2008).
+const AREA: Rgb888 = Rgb888::new(0x00, 0x9e, 0x73);
+const TOTAL: Rgb888 = Rgb888::new(0x00, 0x72, 0xb2);
+const MEAN: Rgb888 = Rgb888::new(0xd5, 0x5e, 0x00);
+
+/// Where values and shares are in a chart.
+#[derive(Clone, Copy)]
+struct Axes {
+    range: [f64; 2],
+    wide: i32,
+    tall: i32,
+}
+
+impl Axes {
+    fn of(range: [f64; 2]) -> Self {
+        let [left, right, top, bottom] = FREE;
+        Self { range, wide: WIDTH - left - right, tall: HEIGHT - top - bottom }
+    }
+
+    fn span(&self) -> f64 {
+        let [least, greatest] = self.range;
+        if greatest > least { greatest - least } else { 1.0 }
+    }
+
+    /// The value at a column, from the first of the chart on.
+    fn value(&self, column: f64) -> f64 {
+        self.range[0] + self.span() * column / f64::from(self.wide - 1)
+    }
+
+    /// The column of a value.
+    fn column(&self, value: f64) -> i32 {
+        let share = (value - self.range[0]) / self.span();
+        FREE[0] + (share * f64::from(self.wide - 1)).round() as i32
+    }
+
+    /// The row of a share of the chart's height.
+    fn level(&self, share: f64) -> i32 {
+        FREE[2] + self.tall - (share * f64::from(self.tall)).round() as i32
+    }
+}
+
+/// A chart of how often values in a range occur, with a title, on which other things can be drawn.
+fn begin(
+    histogram: &Histogram,
+    axes: Axes,
+    (title, below): (&str, i32),
+    job: &Job,
+) -> Result<Image> {
+    let side = |n: i32| NonZeroU32::MIN.saturating_add(n as u32 - 1);
+    let size = Size { width: side(WIDTH), height: side(HEIGHT) };
+    let mut image = Image::new(size, &job.limits)?;
+    let mut canvas = Canvas(&mut image);
+    canvas.fill([0, 0], [WIDTH as u32, HEIGHT as u32], PAPER);
+    let ([left, _, top, _], Axes { wide, tall, .. }) = (FREE, axes);
+    // How often values occur, by columns; logarithms let one see the few beside the many.
+    let mut counts = vec![0_u64; wide as usize];
+    let is_wide = axes.span() / histogram.width < f64::from(wide);
+    if is_wide {
+        // Bins are wider than columns: each has what its bin has.
+        for (n, count) in (0..wide).zip(&mut counts) {
+            let bin = (axes.value(f64::from(n)) - histogram.first) / histogram.width;
+            *count = histogram.counts.get(bin.round().max(0.0) as usize).copied().unwrap_or(0);
+        }
+    }
+    let bins = histogram.counts.iter().enumerate().filter(|_| !is_wide);
+    for (bin, &count) in bins {
+        let place = axes.column(histogram.middle(bin)) - left;
+        if (0..wide).contains(&place) {
+            counts[place as usize] += count;
+        }
+    }
+    let most = counts.iter().copied().max().unwrap_or(0).max(1);
+    for (n, &count) in (0..wide).zip(&counts) {
+        let y = axes.level((count as f64).ln_1p() / (most as f64).ln_1p());
+        canvas.fill([left + n, y], [1, (top + tall - y) as u32], GREY);
+    }
+    for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        let y = axes.level(share);
+        canvas.line([[left - 4, y], [left, y]], INK, 1);
+        canvas.words(&format!("{share}"), [left - 8, y + 4], INK, Alignment::Right);
+    }
+    canvas.words(title, [left, top - 14], INK, Alignment::Left);
+    canvas.line([[left, top + tall], [left + wide, top + tall]], INK, 1);
+    canvas.line([[left, top], [left, top + tall]], INK, 1);
+    for tick in ticks(axes.range) {
+        let x = axes.column(tick);
+        canvas.line([[x, top + tall], [x, top + tall + 4]], INK, 1);
+        canvas.words(&format!("{tick}"), [x, top + tall + below], INK, Alignment::Center);
+    }
+    Ok(image)
+}
+
+impl Canvas<'_> {
+    /// An isovalue, if it is in the chart, and its name.
+    fn mark(&mut self, axes: Axes, (name, iso): (&str, f64), row: i32, color: Rgb888) {
+        if (axes.range[0]..=axes.range[1]).contains(&iso) {
+            let (x, top) = (axes.column(iso), FREE[2]);
+            self.line([[x, top], [x, top + axes.tall]], color, 2);
+            self.words(name, [x + 4, top + 10 + 14 * row], INK, Alignment::Left);
+        }
+    }
+
+    /// A line through shares of the height at values, of which none follows where they end.
+    fn curve(&mut self, axes: Axes, points: impl Iterator<Item = (f64, f64)>, color: Rgb888) {
+        let mut before: Option<[i32; 2]> = None;
+        for (value, share) in points {
+            let here = [axes.column(value), axes.level(share)];
+            self.line([before.unwrap_or(here), here], color, 2);
+            before = Some(here);
+        }
+    }
+}
 
 /// What values look like, over a histogram of them: opacities as lines, colours as a band below, and isovalues.
 pub(crate) fn plot(
@@ -84,58 +199,12 @@ pub(crate) fn plot(
     isos: &[(String, f64, [f32; 3])],
     job: &Job,
 ) -> Result<Image> {
-    let side = |n: i32| NonZeroU32::MIN.saturating_add(n as u32 - 1);
-    let size = Size { width: side(WIDTH), height: side(HEIGHT) };
-    let mut image = Image::new(size, &job.limits)?;
+    let axes = Axes::of(histogram.range);
+    let title = "opacity, over how often values occur (logarithm)";
+    let mut image = begin(histogram, axes, (title, 40), job)?;
     let mut canvas = Canvas(&mut image);
-    canvas.fill([0, 0], [WIDTH as u32, HEIGHT as u32], PAPER);
-    let [left, right, top, bottom] = FREE;
-    let (wide, tall) = (WIDTH - left - right, HEIGHT - top - bottom);
-    let [least, greatest] = histogram.range;
-    let span = if greatest > least { greatest - least } else { 1.0 };
-    let value = |column: f64| least + span * column / f64::from(wide - 1);
-    let column = |value: f64| left + ((value - least) / span * f64::from(wide - 1)).round() as i32;
-    let level = |share: f64| top + tall - (share * f64::from(tall)).round() as i32;
-    // How often values occur, by columns; logarithms let one see the few beside the many.
-    let mut counts = vec![0_u64; wide as usize];
-    for (bin, &count) in histogram.counts.iter().enumerate() {
-        let place = (column(histogram.middle(bin)) - left).clamp(0, wide - 1);
-        counts[place as usize] += count;
-    }
-    // Where bins are wider than columns, a column has what its bin has.
-    let bins_per_column = span / histogram.width / f64::from(wide);
-    let most = counts.iter().copied().max().unwrap_or(0).max(1);
-    let mut before = 0;
-    for (n, &count) in (0..wide).zip(&counts) {
-        before = if count == 0 && bins_per_column < 1.0 { before } else { count };
-        let share = (before as f64).ln_1p() / (most as f64).ln_1p();
-        let y = level(share);
-        canvas.fill([left + n, y], [1, (top + tall - y) as u32], GREY);
-    }
-    for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
-        let y = level(share);
-        canvas.line([[left - 4, y], [left, y]], INK, 1);
-        canvas.words(&format!("{share}"), [left - 8, y + 4], INK, Alignment::Right);
-    }
-    canvas.words(
-        "opacity, over how often values occur (logarithm)",
-        [left, top - 14],
-        INK,
-        Alignment::Left,
-    );
-    canvas.line([[left, top + tall], [left + wide, top + tall]], INK, 1);
-    canvas.line([[left, top], [left, top + tall]], INK, 1);
-    for tick in ticks([least, greatest]) {
-        let x = column(tick);
-        canvas.line([[x, top + tall], [x, top + tall + 4]], INK, 1);
-        canvas.words(&format!("{tick}"), [x, top + tall + 40], INK, Alignment::Center);
-    }
     for (name, iso, color) in isos {
-        if (least..=greatest).contains(iso) {
-            let x = column(*iso);
-            canvas.line([[x, top], [x, top + tall]], code(*color), 2);
-            canvas.words(name, [x + 4, top + 10], INK, Alignment::Left);
-        }
+        canvas.mark(axes, (name, *iso), 0, code(*color));
     }
     // What is looked up, and the steps of functions as they are.
     let functions: Vec<&TransferFunction> = match model {
@@ -145,18 +214,50 @@ pub(crate) fn plot(
     };
     for function in functions {
         let mut before: Option<[i32; 2]> = None;
-        for n in 0..4 * wide {
+        for n in 0..4 * axes.wide {
             let share = f64::from(n) / 4.0;
-            let y = level(function.at(value(share)).opacity.into());
-            let here = [left + share as i32, y];
+            let y = axes.level(function.at(axes.value(share)).opacity.into());
+            let here = [FREE[0] + share as i32, y];
             canvas.line([before.unwrap_or(here), here], INK, 2);
             before = Some(here);
         }
     }
-    for n in 0..wide {
-        let color = code(model.at(value(f64::from(n))).color);
-        canvas.fill([left + n, top + tall + 10], [1, 14], color);
+    for n in 0..axes.wide {
+        let color = code(model.at(axes.value(f64::from(n))).color);
+        canvas.fill([FREE[0] + n, FREE[2] + axes.tall + 10], [1, 14], color);
     }
+    Ok(image)
+}
+
+/// What surface there is at each value, over a histogram: total gradient, mean gradient and area, each as a share of its
+/// greatest; and isovalues with a number each.
+pub(crate) fn spectrum_plot(
+    histogram: &Histogram,
+    spectrum: &ContourSpectrum,
+    isos: &[f64],
+    job: &Job,
+) -> Result<Image> {
+    let (contours, half) = (spectrum.contours(), 0.5 * spectrum.levels().width());
+    let [first, last] = [contours[0].iso - half, contours[contours.len() - 1].iso + half];
+    let axes = Axes::of([first, last]);
+    let mut image = begin(histogram, axes, ("", 18), job)?;
+    let mut canvas = Canvas(&mut image);
+    for (n, iso) in isos.iter().enumerate() {
+        canvas.mark(axes, (&(n + 1).to_string(), *iso), 0, MARK);
+    }
+    let mut x = FREE[0];
+    let mut curve = |name: &str, color, of: &dyn Fn(&Contour) -> f64| {
+        let most = contours.iter().map(of).fold(f64::MIN_POSITIVE, f64::max);
+        canvas.curve(axes, contours.iter().map(|contour| (contour.iso, of(contour) / most)), color);
+        canvas.fill([x, FREE[2] - 20], [18, 4], color);
+        canvas.words(name, [x + 24, FREE[2] - 14], INK, Alignment::Left);
+        x += 24 + 6 * name.len() as i32 + 20;
+    };
+    curve("area", AREA, &|contour| contour.area);
+    curve("total gradient", TOTAL, &|contour| contour.total_gradient);
+    curve("mean gradient", MEAN, &|contour| contour.mean_gradient().unwrap_or(0.0));
+    let says = "as shares of the greatest, over how often values occur (logarithm)";
+    canvas.words(says, [x, FREE[2] - 14], INK, Alignment::Left);
     Ok(image)
 }
 

@@ -9,6 +9,7 @@ pub(crate) mod info;
 pub(crate) mod man;
 pub(crate) mod render;
 mod slabs;
+pub(crate) mod suggest;
 
 use crate::{Session, plan::TextTarget};
 use anyhow::{Context, Result};
@@ -16,7 +17,10 @@ use isokit::{
     io::{MeshInput, Output},
     mesh::{Welded, weld_exact, weld_within},
 };
-use std::io::Write;
+use std::{
+    io::{BufWriter, Write},
+    path::Path,
+};
 
 /// Writes a report where it is to go, if anywhere.
 fn write_text(
@@ -35,6 +39,23 @@ fn write_text(
         }
     }
     Ok(())
+}
+
+/// Writes a file that appears when it is whole.
+fn to_file<R>(
+    path: &Path,
+    session: &Session<'_, '_>,
+    write: impl FnOnce(&mut dyn Write) -> Result<R>,
+) -> Result<R> {
+    let mut output = Output::create(path)?;
+    let mut buffer = BufWriter::new(&mut output);
+    let what = || format!("{}: cannot write", path.display());
+    let written = write(&mut buffer).with_context(what)?;
+    buffer.flush().with_context(what)?;
+    drop(buffer);
+    output.finish()?;
+    session.console.info(&format!("wrote {}", path.display()));
+    Ok(written)
 }
 
 /// Makes one vertex of several where the user asks for it, and says so.

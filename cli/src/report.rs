@@ -6,6 +6,7 @@ mod layout;
 mod mesh;
 mod refine;
 mod render;
+mod suggest;
 mod system;
 mod timings;
 mod volume;
@@ -16,6 +17,7 @@ pub(crate) use mesh::{
 };
 pub(crate) use refine::RefineReport;
 pub(crate) use render::{DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings};
+pub(crate) use suggest::SuggestReport;
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{VolumeFacts, VolumeReport};

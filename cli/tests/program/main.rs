@@ -15,3 +15,4 @@ mod render;
 mod report;
 mod slabs;
 mod streams;
+mod suggest;

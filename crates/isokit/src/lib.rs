@@ -32,6 +32,7 @@
 //! | know what holds for every mesh | [`guide::guarantees`] |
 //! | know what is read and written, in which axes and units | [`guide::formats`], [`io`] |
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
+//! | know which isovalues are worth a look, and why | [`pipeline::Scan::suggestions`], [`spectrum`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
 //! | make pictures of surfaces and of values | [`scene`], [`render`](mod@render) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |
@@ -59,6 +60,7 @@ pub use isokit_marching_cubes as marching_cubes;
 pub use isokit_mesh as mesh;
 pub use isokit_refine as refine;
 pub use isokit_render as render;
+pub use isokit_spectrum as spectrum;
 pub use isokit_volume as volume;
 pub use isokit_volume::{for_any, for_dtype};
 

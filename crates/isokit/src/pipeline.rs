@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
-//! | choose | [`Scan::iso`] turns "automatic" or a percentage into an isovalue |
+//! | choose | [`Scan::suggestions`] says which isovalues stand out; [`Scan::iso`] turns "automatic" or a percentage into one |
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
 //! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
@@ -25,6 +25,7 @@ mod scan;
 mod slab_scan;
 mod surface;
 mod target;
+mod values;
 
 pub use error::PipelineError;
 pub use index::Index;

@@ -105,6 +105,32 @@ impl Histogram {
         self.first + bin as f64 * self.width
     }
 
+    /// The mean of the samples, each taken for the middle of its bin, and their standard deviation. NaN if there are
+    /// none.
+    pub fn mean_and_deviation(&self) -> [f64; 2] {
+        let total = self.counts.iter().sum::<u64>() as f64;
+        let mean_of = |of: &dyn Fn(f64) -> f64| {
+            let parts =
+                self.counts.iter().enumerate().map(|(n, &count)| count as f64 * of(n as f64));
+            parts.sum::<f64>() / total
+        };
+        let mean = mean_of(&|bin| bin);
+        let variance = mean_of(&|bin| (bin - mean) * (bin - mean));
+        [self.first + mean * self.width, variance.sqrt() * self.width]
+    }
+
+    /// The middle of the first bin up to which a share of the samples lies, from 0 to 1.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let wanted = share * self.counts.iter().sum::<u64>() as f64;
+        let mut below = 0;
+        let is_reached = |&count: &u64| {
+            below += count;
+            count > 0 && below as f64 >= wanted
+        };
+        let last = self.counts.iter().rposition(|&count| count > 0).unwrap_or(0);
+        self.middle(self.counts.iter().position(is_reached).unwrap_or(last))
+    }
+
     /// The value that splits the samples into two classes of the least spread (Otsu 1979, *A threshold
     /// selection method from gray-level histograms*). It lies midway between two occupied bins, so
     /// that no sample in the middle of a bin is on it. `None` if all samples share a bin.
@@ -178,6 +204,15 @@ mod tests {
         let heaps = (0..100).map(|n| if n < 70 { n % 5 } else { 200 + n % 7 });
         let iso = of(heaps.collect::<Vec<u8>>(), Scaling::IDENTITY).unwrap().otsu().unwrap();
         assert_eq!(iso, 102.0, "midway between 4 and 200");
+    }
+
+    #[test]
+    fn quantiles_are_values_that_occur() {
+        let found = of(vec![10_u8, 20, 20, 20, 40], Scaling::IDENTITY).unwrap();
+        let of = [0.0, 0.2, 0.21, 0.5, 0.8, 0.81, 1.0, 2.0].map(|share| found.quantile(share));
+        assert_eq!(of, [10.0, 10.0, 20.0, 20.0, 20.0, 40.0, 40.0, 40.0]);
+        let [mean, deviation] = found.mean_and_deviation();
+        assert!((mean - 22.0).abs() < 1e-12 && (deviation - 96.0_f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]

@@ -4,26 +4,23 @@ use super::Seen;
 use crate::{
     Session,
     chart::{self, Canvas},
+    commands::to_file,
     fault::UsageError,
     plan::{RenderPlan, Stream},
     report::{RenderSkipped, RenderTimings, timed},
     scene_file::ModeWord,
 };
-use anyhow::{Context, Result};
+use anyhow::Result;
 use embedded_graphics::{pixelcolor::Rgb888, prelude::RgbColor, text::Alignment};
 use isokit::{
     geom::Frame,
-    io::{Output, write_volume},
+    io::write_volume,
     job::Job,
     render::{Background, Channel, Depth, Gathered, Image, Size, write_channel_png, write_png},
     scene::{Scene, Viewpoint},
     volume::{Grid, Volume},
 };
-use std::{
-    io::{BufWriter, Write},
-    num::NonZeroU32,
-    path::Path,
-};
+use std::{num::NonZeroU32, path::Path};
 
 /// Makes and writes one picture after the other.
 pub(super) fn pictures(
@@ -191,23 +188,6 @@ pub(super) fn plot(
     let image = chart::plot(histogram, model, &isos.collect::<Vec<_>>(), &session.job)?;
     let ground = Background::Color([1.0; 3]);
     to_file(path, session, |out| Ok(write_png(&image, ground, Depth::Eight, out)?))
-}
-
-/// Writes a file that appears when it is whole.
-fn to_file<R>(
-    path: &Path,
-    session: &Session<'_, '_>,
-    write: impl FnOnce(&mut dyn Write) -> Result<R>,
-) -> Result<R> {
-    let mut output = Output::create(path)?;
-    let mut buffer = BufWriter::new(&mut output);
-    let what = || format!("{}: cannot write", path.display());
-    let written = write(&mut buffer).with_context(what)?;
-    buffer.flush().with_context(what)?;
-    drop(buffer);
-    output.finish()?;
-    session.console.info(&format!("wrote {}", path.display()));
-    Ok(written)
 }
 
 fn write(
