@@ -181,7 +181,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// A line through shares of the height at values, of which none follows where they end.
+    /// A line through shares of the height at values.
     fn curve(&mut self, axes: Axes, points: impl Iterator<Item = (f64, f64)>, color: Rgb888) {
         let mut before: Option<[i32; 2]> = None;
         for (value, share) in points {
@@ -213,14 +213,9 @@ pub(crate) fn plot(
         OpticalModel::Mixture(mixture) => vec![mixture.substance()],
     };
     for function in functions {
-        let mut before: Option<[i32; 2]> = None;
-        for n in 0..4 * axes.wide {
-            let share = f64::from(n) / 4.0;
-            let y = axes.level(function.at(axes.value(share)).opacity.into());
-            let here = [FREE[0] + share as i32, y];
-            canvas.line([before.unwrap_or(here), here], INK, 2);
-            before = Some(here);
-        }
+        let values = (0..4 * axes.wide).map(|n| axes.value(f64::from(n) / 4.0));
+        let points = values.map(|value| (value, function.at(value).opacity.into()));
+        canvas.curve(axes, points, INK);
     }
     for n in 0..axes.wide {
         let color = code(model.at(axes.value(f64::from(n))).color);

@@ -6,13 +6,15 @@ mod extract;
 mod palette;
 mod places;
 mod render;
+mod suggest;
 mod target;
 
 pub(crate) use convert::{ConvertPlan, ConvertTo};
 pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
 pub(crate) use palette::color;
 pub(crate) use render::{FadePlan, LookPlan, ModelPlan, RenderPlan, Subject};
-pub(crate) use target::{MeshTarget, Stream, TextTarget};
+pub(crate) use suggest::SuggestPlan;
+pub(crate) use target::{MeshTarget, Stream, TextTarget, is_png};
 
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ use crate::{
     Exit, Session, UsageError,
     args::SuggestArgs,
     chart::spectrum_plot,
+    plan::SuggestPlan,
     report::{SuggestReport, to_json},
     text::{chart, rounded},
 };
@@ -16,24 +17,16 @@ use isokit::{
     volume::Histogram,
 };
 
-/// Isovalues that are looked at.
-const LEVELS: usize = 256;
-
-pub(crate) fn run(args: &SuggestArgs, session: &mut Session<'_, '_>) -> Result<Exit> {
-    let is_png = |path: &std::path::PathBuf| {
-        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
-    };
-    if args.plot.as_ref().is_some_and(|path| !is_png(path)) {
-        return Err(UsageError("--plot: expected a name that ends in .png".into()).into());
-    }
+pub(crate) fn run(plan: &SuggestPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
+    let args = &plan.args;
     let text = session.watching(|session| -> Result<String> {
         let (options, job) = (args.volume.options(), &session.job);
         let scan = Scan::open(&args.file, &options, TargetSpace::Source, &Region::Whole, job)?;
-        let spectrum = scan.spectrum(LEVELS, job)?;
+        let spectrum = scan.spectrum(Scan::LEVELS, job)?;
         let histogram = scan.histogram(job)?;
         let both = histogram.zip(spectrum.as_ref());
         let found = both.map_or(vec![], |(histogram, spectrum)| suggest(histogram, spectrum));
-        if let Some(path) = &args.plot {
+        if let Some(path) = &plan.plot {
             let Some((histogram, spectrum)) = both else {
                 let says = "all samples have one value, or none: there is nothing to plot";
                 return Err(UsageError(says.into()).into());

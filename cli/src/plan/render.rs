@@ -132,9 +132,7 @@ impl RenderPlan {
             report,
         })
     }
-}
 
-impl RenderPlan {
     /// The scene as that picture has it that needs most of surfaces.
     pub(crate) fn neediest(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();

@@ -107,6 +107,11 @@ pub(super) fn is_volume(path: &Path) -> bool {
     VOLUMES.into_iter().any(|ending| has_ending(path, ending))
 }
 
+/// Whether a file name asks for a picture.
+pub(crate) fn is_png(path: &Path) -> bool {
+    has_ending(path, ".png")
+}
+
 /// The refusal of a name that is neither.
 pub(super) fn neither(path: &Path) -> UsageError {
     let meshes = MESHES.map(|(ending, _)| ending);

@@ -52,6 +52,8 @@ fn the_plot_is_a_picture_with_three_curves() {
         let part = pixels.chunks(info.line_size / 960).filter(|pixel| pixel.starts_with(&color));
         assert!(part.count() > 200, "{color:?}");
     }
+    let ran = folder.run("suggest ball.nii --plot nowhere/values.png");
+    assert!(ran.err.contains("there is no folder"), "{}", ran.err);
     let ran = folder.run("suggest ball.nii --plot values.svg");
     assert!(ran.exit == Exit::Usage && ran.err.contains(".png"), "{}", ran.err);
 }

@@ -190,6 +190,17 @@ impl Affine {
         self.with_origin(self.point(ijk))
     }
 
+    /// The same map with steps that are so many times as long along x, y, z of index space.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn scaled_steps(&self, factors: [f64; 3]) -> Result<Self, AffineError> {
+        let columns = self.columns();
+        let column = |axis: usize| columns[axis].map(|entry| entry * factors[axis]);
+        Self::new(std::array::from_fn(column), self.origin())
+    }
+
     /// The same map into a world whose axes are stretched (or, below 0, reflected) by `factors`.
     ///
     /// # Errors
@@ -208,6 +219,16 @@ mod tests {
     fn oblique() -> Affine {
         let columns = [[0.5, 0.1, 0.0], [-0.2, 0.7, 0.05], [0.3, 0.0, -2.0]];
         Affine::new(columns, [10.0, -20.0, 30.0]).unwrap()
+    }
+
+    #[test]
+    fn longer_steps_lead_to_where_as_many_short_ones_do() {
+        let (affine, factors) = (oblique(), [2.0, 1.0, -4.0]);
+        let long = affine.scaled_steps(factors).unwrap();
+        let [a, b] = [long.point([1.0, 2.0, 3.0]), affine.point([2.0, 2.0, -12.0])];
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?}, {b:?}");
+        let far = Affine::axis_aligned([9e74, 1.0, 1.0], [0.0; 3]).unwrap();
+        assert!(far.scaled_steps([2.0, 1.0, 1.0]).is_err());
     }
 
     #[test]

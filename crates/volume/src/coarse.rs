@@ -1,7 +1,7 @@
 //! Volumes with fewer samples, of which each is a mean of those around it.
 
 use crate::{AnyVolume, Dtype, Grid, Sample, View, Volume};
-use isokit_geom::{Affine, Frame};
+use isokit_geom::Frame;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 ///
 /// # Panics
 ///
-/// If samples are so far apart that no number is twice their distance.
+/// If samples are so far apart along one of the axes that no [`Affine`](isokit_geom::Affine) has twice their distance.
 pub fn halved<T: Sample>(
     view: &View<'_, T>,
     axes: [bool; 3],
@@ -80,10 +80,8 @@ fn means<T: Sample, M: Sample>(
     let rows = samples.par_chunks_mut(nx).enumerate();
     job.threads.run(|| rows.map(row).try_reduce(|| (), |(), ()| Ok(())))?;
     let frame = view.frame();
-    let affine = frame.index_to_world;
-    let columns = affine.columns();
-    let columns = std::array::from_fn(|k| columns[k].map(|part| part * steps[k] as f64));
-    let index_to_world = Affine::new(columns, affine.origin()).expect("distances are doubled");
+    let index_to_world = frame.index_to_world.scaled_steps(steps.map(|n| n as f64));
+    let index_to_world = index_to_world.expect("no axis has the steps that are too long to double");
     let grid = Grid::new(dims.map(|n| n as u64), Frame { index_to_world, ..*frame });
     let grid = grid.expect("no more samples than there were");
     Ok(Volume::new(grid, samples).expect("one for each point").with_scaling(view.scaling()))

@@ -6,7 +6,7 @@ use crate::{
     chart::{self, Canvas},
     commands::to_file,
     fault::UsageError,
-    plan::{RenderPlan, Stream},
+    plan::{RenderPlan, Stream, is_png},
     report::{RenderSkipped, RenderTimings, timed},
     scene_file::ModeWord,
 };
@@ -140,8 +140,7 @@ pub(super) fn channels(plan: &RenderPlan, seen: &Seen, session: &Session<'_, '_>
         scene.raster = scene.raster.with_channel(*channel);
         let mut skipped = RenderSkipped::default();
         let image = surfaces(plan, seen, &scene, plan.size, &mut skipped, &session.job)?;
-        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        if !is_png {
+        if !is_png(path) {
             let depth = |pixel: &Gathered| {
                 if pixel.opacity > 0.0 { pixel.color[0] } else { f32::NAN }
             };

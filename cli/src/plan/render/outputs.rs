@@ -4,12 +4,12 @@ use super::Subject;
 use crate::{
     args::RenderArgs,
     fault::UsageError,
-    plan::{Stream, TextTarget, places::Places, target::is_volume},
+    plan::{Stream, TextTarget, is_png, places::Places, target::is_volume},
     scene_file::ModeWord,
 };
 use anyhow::Result;
 use isokit::render::Channel;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What else surfaces have.
 pub(super) fn channels(
@@ -46,10 +46,6 @@ pub(super) fn plot(args: &RenderArgs, subject: &Subject) -> Result<Option<PathBu
         }
         (path, _) => Ok(path.clone()),
     }
-}
-
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
 }
 
 /// Where pictures and report go.
@@ -94,7 +90,10 @@ pub(super) fn targets(
     }
     let others = [("--depth", &args.depth), ("--normals", &args.normals), ("--plot", &args.plot)];
     for (by, path) in others {
-        path.iter().try_for_each(|path| places.add(by, path))?;
+        if let Some(path) = path {
+            Stream::named(path)?;
+            places.add(by, path)?;
+        }
     }
     let files = targets.iter().map(|target| ("--output", target));
     for (by, stream) in files.chain(report.as_ref().map(|report| ("--report", report))) {

@@ -123,7 +123,7 @@ impl Scan {
     ///
     /// # Panics
     ///
-    /// If samples are so far apart that no number is so many times their distance.
+    /// If samples are so far apart that no [`Affine`](isokit_geom::Affine) has so many times their distance.
     pub fn halved(&self, mut halvings: [u32; 3], job: &Job) -> Result<Option<Self>, Stopped> {
         let mut coarse: Option<AnyVolume> = None;
         while halvings != [0; 3] {

@@ -8,10 +8,10 @@ use isokit_volume::for_any;
 /// The share of samples, at each end of their values, that few isovalues are spent on.
 const FEW: f64 = 1e-4;
 
-/// Isovalues that are looked at for suggestions.
-const LEVELS: usize = 256;
-
 impl Scan {
+    /// As many isovalues as are looked at for suggestions.
+    pub const LEVELS: usize = 256;
+
     /// The surfaces at up to so many isovalues between the values of the part, rare ones at both ends aside; between
     /// each two of whole-number samples, if they are no more. `None` if there are not two values, or `most` is 0 or
     /// above 65 536.
@@ -42,7 +42,7 @@ impl Scan {
     ///
     /// As [`spectrum`](Self::spectrum).
     pub fn suggestions(&self, job: &Job) -> Result<Vec<Suggestion>, PipelineError> {
-        let Some(spectrum) = self.spectrum(LEVELS, job)? else { return Ok(vec![]) };
+        let Some(spectrum) = self.spectrum(Self::LEVELS, job)? else { return Ok(vec![]) };
         let histogram = self.histogram(job)?;
         Ok(histogram.map_or(vec![], |histogram| suggest(histogram, &spectrum)))
     }

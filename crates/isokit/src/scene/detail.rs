@@ -49,10 +49,17 @@ impl Scene {
             let height = 2.0 * nearest / camera.magnification();
             pixel = pixel.min(height / f64::from(size.height.get()));
         }
-        let (spacing, part) = (scan.frame().index_to_world.spacing(), scan.part());
+        let (affine, part) = (scan.frame().index_to_world, scan.part());
+        let spacing = affine.spacing();
         Ok(std::array::from_fn(|k| {
+            // Beyond some distance there is no map from samples to the world.
+            let is_map = |apart: f64| {
+                let mut factors = [1.0; 3];
+                factors[k] = apart / spacing[k];
+                affine.scaled_steps(factors).is_ok()
+            };
             let (mut halvings, mut apart, mut count) = (0, 2.0 * spacing[k], part[k].len());
-            while apart <= pixel && count >= FEWEST {
+            while apart <= pixel && count >= FEWEST && is_map(apart) {
                 (halvings, apart, count) = (halvings + 1, 2.0 * apart, count.div_ceil(2));
             }
             halvings

@@ -5,6 +5,7 @@ use crate::{
     pipeline::Scan,
     scene::{Scene, Viewpoint},
 };
+use isokit_geom::{Affine, Frame};
 use isokit_job::Job;
 use isokit_render::{Cast, ControlPoint, Image, Projection, Size, TransferFunction};
 use isokit_volume::{Grid, Volume};
@@ -47,6 +48,20 @@ fn samples_are_halved_as_long_as_they_are_no_farther_apart_than_pixels() {
     assert_eq!(of(&[far]), [2, 3, 2]);
     assert_eq!([of(&[near]), of(&[far, near])], [[0; 3]; 2]);
     assert_eq!(of(&[from([1.0; 3], perspective)]), [0; 3], "from within");
+}
+
+#[test]
+fn samples_are_not_halved_beyond_what_has_a_place_in_the_world() {
+    // Distances of samples are below 1e75.
+    let columns = [[1e74, 0.0, 0.0], [0.0, 4e74, 0.0], [0.0, 0.0, 9e74]];
+    let index_to_world = Affine::new(columns, [0.0; 3]).unwrap();
+    let grid = Grid::new([20; 3], Frame { index_to_world, ..Frame::default() }).unwrap();
+    let far = Scan::new(Volume::new(grid, vec![0_u8; 8000]).unwrap());
+    let viewpoints = [from([0.0, 1e77, 0.0], Projection::Parallel { height: 1e77 })];
+    let camera = (&viewpoints[..], size(1));
+    let halvings = Scene::halvings(&far, far.around().0, camera).unwrap();
+    assert_eq!(halvings, [2, 1, 0]);
+    assert!(far.halved(halvings, &Job::default()).unwrap().is_some());
 }
 
 #[test]
