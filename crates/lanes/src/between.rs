@@ -20,6 +20,7 @@ pub const LINES: usize = BATCH;
 
 /// Straight lines in index space: of each where it begins, and how far one step leads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
 pub struct Lines {
     /// Along x, y, z.
     pub start: [[f64; LINES]; 3],

@@ -18,6 +18,7 @@ pub struct Blocks<'a> {
 
 /// How far lines have come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
 pub struct OnTheWay {
     /// Where each is: so many steps and a half, to the middle of the next step.
     pub steps: [f64; BATCH],

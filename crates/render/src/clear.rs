@@ -96,6 +96,18 @@ impl Clear {
         Blocks::new(self.counts, CELLS as u16, &self.reach)
     }
 
+    /// Blocks along x, y, z.
+    pub(crate) fn counts(&self) -> [usize; 3] {
+        self.counts
+    }
+
+    /// Those of a layer across z of which something can be seen.
+    pub(crate) fn seen(&self, z: usize) -> impl Iterator<Item = [usize; 3]> {
+        let [nx, ny, _] = self.counts;
+        let layer = self.reach[z * nx * ny..][..nx * ny].iter().enumerate();
+        layer.filter(|&(_, reach)| *reach == 0).map(move |(n, _)| [n % nx, n / nx, z])
+    }
+
     /// The numbers of blocks no farther than so many blocks from one of which something can be seen, in the order of
     /// memory.
     pub(crate) fn near(&self, blocks: u8) -> impl Iterator<Item = [usize; 3]> {

@@ -20,6 +20,7 @@ mod cubic;
 mod ends;
 mod march;
 mod options;
+mod seen;
 mod way;
 
 use crate::{
@@ -32,7 +33,8 @@ use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use isokit_volume::{Bricks, Sample, View};
 use march::March;
-use way::Ways;
+use seen::Seen;
+use way::{Pixel, Ways};
 
 pub(crate) use cloud::Cloud;
 pub use cloud::Scatter;
@@ -241,7 +243,12 @@ impl<T: Sample> Rays<'_, T> {
         let size = image.size();
         let width = size.width.get() as usize;
         job.progress.begin("render", u64::from(size.height.get()));
-        let Some(ways) = Ways::new(medium, (camera, size), step) else {
+        let affine = &medium.view.frame().index_to_world;
+        let seen = exactly(|| match clear {
+            Some(clear) => Seen::new((clear, affine), (camera, size), job),
+            None => Ok(None),
+        })?;
+        let Some(ways) = Ways::new(medium, (camera, size), (step, seen)) else {
             job.progress.advance(u64::from(size.height.get()));
             return Ok(Cast::default());
         };
@@ -253,16 +260,16 @@ impl<T: Sample> Rays<'_, T> {
                 let wanted = wanted.map(|wanted| &wanted[band * BAND * width..]);
                 // Down, then to the right, so that rays that are near each other follow each other.
                 let places = (0..width).flat_map(|column| (0..rows).map(move |row| [column, row]));
-                let ways = places.filter_map(|[column, row]| {
+                let pixels_of = places.filter_map(|[column, row]| {
                     let number = row * width + column;
                     if wanted.is_some_and(|wanted| !wanted[number]) {
                         return None;
                     }
                     let place = [column, band * BAND + row];
                     let begin = if options.jitter { grain(place) } else { 0.0 };
-                    let way = ways.through(place.map(|n| n as f64 + 0.5), begin)?;
-                    Some((number, way))
+                    Some(Pixel { number, place: place.map(|n| n as f64 + 0.5), begin })
                 });
+                let ways = ways.of(pixels_of);
                 let mut done = Cast::default();
                 march.along(ways, pixels, &mut done);
                 job.progress.advance(rows as u64);

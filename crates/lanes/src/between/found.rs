@@ -26,15 +26,17 @@ pub const BENT: u8 = 2;
 
 /// How gradients face lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
 pub struct Facing {
-    /// What takes a gradient in index space to the world, but for its length, as columns. No number is above 1.
-    pub covectors: [[f32; 3]; 3],
     /// Where each line leads in the world, along x, y, z: one long.
     pub towards: [[f32; LINES]; 3],
+    /// What takes a gradient in index space to the world, but for its length, as columns. No number is above 1.
+    pub covectors: [[f32; 3]; 3],
 }
 
 /// What was found on each line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
 pub struct Found {
     /// The values.
     pub values: [f32; LINES],

@@ -3,7 +3,11 @@
 //! What a ray gathers does not depend on those beside it: each has its own steps, and when one ends, the next takes its
 //! place.
 
-use super::{Cast, Cloud, Medium, RaycastOptions, ends::Ends, way::Way};
+use super::{
+    Cast, Cloud, Medium, RaycastOptions,
+    ends::Ends,
+    way::{Pixel, Sights, Way},
+};
 use crate::{
     Gathered, Interpolant, Light,
     clear::Clear,
@@ -34,16 +38,17 @@ pub(super) struct March<'a, T> {
 /// Rays' ways, and places on them as lines and how many steps lead along each.
 pub(super) type Places<'a> = (&'a [Way; LINES], (&'a Lines, &'a [f64; LINES]));
 
-/// Rays side by side.
+/// Rays side by side, in the order in which registers are filled from them.
 #[derive(Default)]
+#[repr(C)]
 pub(super) struct Front {
     pub(super) lines: Lines,
     /// Each to the middle of its next step, of its whole ones.
     pub(super) on: OnTheWay,
-    /// What is known of the beginnings of those steps.
-    pub(super) ends: Ends,
     pub(super) facing: Facing,
     layers: Layers,
+    /// What is known of the beginnings of those steps.
+    pub(super) ends: Ends,
     pub(super) ways: [Way; LINES],
     /// The number of its pixel.
     pixels: [usize; LINES],
@@ -72,7 +77,7 @@ impl<'a, T: Sample> March<'a, T> {
     /// What rays gather on their ways, each with the number of its pixel.
     pub(super) fn along(
         &self,
-        mut ways: impl Iterator<Item = (usize, Way)>,
+        mut ways: Sights<'_, impl Iterator<Item = Pixel>>,
         pixels: &mut [Gathered],
         done: &mut Cast,
     ) {
@@ -87,10 +92,11 @@ impl<'a, T: Sample> March<'a, T> {
                 let n = due.trailing_zeros() as usize;
                 due &= due - 1;
                 if front.live >> n & 1 == 1 {
-                    advanced += front.on.steps[n] - 0.5;
-                    pixels[front.pixels[n]] = self.end(&front, n, done);
+                    let (gathered, at) = self.end(&front, n, done);
+                    advanced += at;
+                    pixels[front.pixels[n]] = gathered;
                 }
-                front.next(n, ways.next());
+                front.next(n, ways.next(done));
                 if front.live >> n & 1 == 1 && front.ways[n].before > 0.0 {
                     let way = front.ways[n];
                     front.set(n, self.partial(&way, [-way.before, 0.0], done));
@@ -129,16 +135,20 @@ impl<'a, T: Sample> March<'a, T> {
         *live & (0..LINES).fold(0, |bits, n| bits | is_going(n))
     }
 
-    /// What a ray has gathered in the end, with its last step, if it is a part of one and not hidden.
-    fn end(&self, front: &Front, n: usize, done: &mut Cast) -> Gathered {
+    /// What a ray has gathered in the end, with its last step, if it is a part of one and not hidden; and after how many
+    /// whole steps that is.
+    fn end(&self, front: &Front, n: usize, done: &mut Cast) -> (Gathered, f64) {
         let (way, at, gathered) = (&front.ways[n], front.on.steps[n] - 0.5, front.gathered(n));
-        let left = way.steps - at;
         if gathered.opacity >= self.opaque {
-            done.steps_hidden += left.ceil() as u64;
-        } else if left > 0.0 {
-            return gathered.over(self.partial(way, [at, way.steps], done));
+            done.steps_hidden += (way.steps - at).ceil() as u64;
+            return (gathered, at);
         }
-        gathered
+        // In those between nothing is seen.
+        let at = way.steps.floor();
+        match way.steps > at {
+            true => (gathered.over(self.partial(way, [at, way.steps], done)), at),
+            false => (gathered, at),
+        }
     }
 
     /// What is seen in a part of a step, if something may be.
@@ -241,7 +251,9 @@ impl Front {
             self.facing.towards[k][n] = way.towards[k] as f32;
         }
         let OnTheWay { steps, until, seen, .. } = &mut self.on;
-        (steps[n], until[n], seen[n]) = (0.5, way.steps.floor(), 0.0);
+        let [from, to] = way.seen;
+        (until[n], seen[n]) = (way.steps.floor().min(to), 0.0);
+        steps[n] = from.min(until[n]) + 0.5;
         (self.ways[n], self.pixels[n]) = (way, pixel);
         self.set(n, Gathered::NOTHING);
         self.ends.begin(n);
