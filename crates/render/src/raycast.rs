@@ -6,8 +6,10 @@
 //! last is shorter, and its opacity is corrected to its length, so that one substance gathers the same at any length of
 //! step. A sample that is NaN hides nothing.
 //!
-//! Two things are not computed, and counted: steps in blocks of which no value can be seen (`clear.rs`), which changes
-//! no bit of the picture; and steps behind what is as good as opaque ([`RaycastOptions::opaque`]).
+//! Two things are not computed, and counted: steps in blocks of which no value can be seen (`clear.rs`), and along rays
+//! beside all others (`seen.rs`), which changes no bit of the picture; and steps behind what is as good as opaque
+//! ([`RaycastOptions::opaque`]).
+//!
 //! Particles may scatter light that comes from a side (`cloud.rs`).
 //!
 //! Values are f32: of samples that are i32, u32 or f64 what differs by less than a ten-millionth is one value.

@@ -38,7 +38,8 @@ pub(super) struct March<'a, T> {
 /// Rays' ways, and places on them as lines and how many steps lead along each.
 pub(super) type Places<'a> = (&'a [Way; LINES], (&'a Lines, &'a [f64; LINES]));
 
-/// Rays side by side, in the order in which registers are filled from them.
+/// Rays side by side. In memory as they stand here, so that what registers are filled from does not lie across cache
+/// lines.
 #[derive(Default)]
 #[repr(C)]
 pub(super) struct Front {

@@ -36,7 +36,7 @@ pub(super) struct Pixel {
 /// The ways of the rays of a picture's pixels.
 #[derive(Clone, Debug)]
 pub(super) struct Ways<'a> {
-    /// In cells, and in the world.
+    /// How the camera looks at the volume's cells; axes also as they are in the world.
     sight: Sight,
     /// Where rays begin in the middle of the picture, in the world.
     from: Vector,
@@ -200,3 +200,6 @@ impl Way {
         std::array::from_fn(|k| self.start[k] + steps * self.step[k])
     }
 }
+
+#[cfg(test)]
+mod tests;
