@@ -104,7 +104,7 @@ fn differing(scan: &Scan, iso: f64) -> (Vec<usize>, Vec<bool>) {
     };
     let (job, side) = (Job::default(), NonZeroU32::new(SIDE).unwrap());
     let size = Size { width: side, height: side };
-    let meshes = scene.meshes(scan, &job).unwrap();
+    let meshes = scene.meshes(scan, (&[scene.viewpoint], size), &job).unwrap();
     let drawn = scene.draw(&meshes, (Some(scan), scan.around()), size, &job).unwrap().0;
     let traced = scene.trace(scan, size, &job).unwrap().0;
     let [drawn, traced] = [drawn, traced].map(|image| walls(&image));

@@ -56,16 +56,17 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let is_plan = plan.is_plan;
     let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
     let mut skipped = RenderSkipped::default();
+    let camera = (&plan.viewpoints[..], pictures::size(plan, seen.scene.surfaces.len())?);
     if let (Some(scan), true) = (&seen.scan, wants_needs) {
         let needs = match plan.mode {
-            mode if mode.shows_values() => seen.scene.needs_of_rays(scan, &session.job)?,
-            _ => seen.scene.needs(scan, &session.job)?,
+            mode if mode.shows_values() => seen.scene.needs_of_rays(scan, camera, &session.job)?,
+            _ => seen.scene.needs(scan, camera, &session.job)?,
         };
         skipped = RenderSkipped::of(&needs, plan.mode);
     }
     let has_pictures = !plan.targets.is_empty() || !plan.channels.is_empty();
     if plan.is_on_screen && (is_plan || plan.mode != ModeWord::Surfaces) {
-        let made = timed(&mut timings.extract, || detail::halve(plan, &mut seen, session));
+        let made = timed(&mut timings.extract, || detail::halve(plan, &mut seen, camera, session));
         skipped.halvings = made?;
     }
     if has_pictures && !is_plan {
@@ -73,8 +74,8 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
             let made = timed(&mut timings.extract, || {
                 let scene = plan.neediest(&seen.scene);
                 match plan.is_on_screen {
-                    true => detail::meshes(plan, (&scene, scan), &mut skipped, session),
-                    false => Ok(scene.meshes(scan, &session.job)?),
+                    true => detail::meshes((&scene, scan), camera, &mut skipped, session),
+                    false => Ok(scene.meshes(scan, camera, &session.job)?),
                 }
             });
             seen.meshes = made?;

@@ -54,7 +54,7 @@ pub(crate) struct RenderSkipped {
     pub(crate) bricks_skipped: u64,
     /// Samples of the volume; for splats once for each picture.
     pub(crate) samples: u64,
-    /// Those that planes cut away from all surfaces, or that give nothing to a picture of splats.
+    /// Those that planes cut away from all surfaces, that no picture shows, or that give nothing to a picture of splats.
     pub(crate) samples_skipped: u64,
     /// How often samples were halved along x, y, z because pixels do not show them.
     pub(crate) halvings: [u32; 3],

@@ -164,14 +164,22 @@ fn a_small_picture_needs_fewer_samples() {
 }
 
 #[test]
-fn a_way_around_is_a_picture_for_each_step() {
-    let folder = Folder::with_ball();
-    folder.done("render ball.nii --iso 50 --size 20x20 --frames 3 -o turn.png");
-    let names = ["ball.nii", "turn_001.png", "turn_002.png", "turn_003.png"];
-    assert_eq!(folder.names(), names);
-    folder.done("render ball.nii --iso 50 --size 20x20 --orbit 120 -o one.png");
-    let read = |name| fs::read(folder.path(name)).unwrap();
-    assert_eq!(read("turn_002.png"), read("one.png"));
+fn a_way_around_is_a_picture_for_each_step_all_of_one_scale() {
+    for what in ["--iso 50", "--preset auto", "--preset auto --mode splat"] {
+        let folder = Folder::with_ball();
+        let turn = |frames: &str| {
+            folder.done(&format!("render ball.nii {what} --size 20x20 --frames {frames}"));
+        };
+        turn("3 -o turn.png");
+        let names = ["ball.nii", "turn_001.png", "turn_002.png", "turn_003.png"];
+        assert_eq!(folder.names(), names);
+        // Steps of half the length come by the same places.
+        turn("6 -o way.png");
+        let read = |name| fs::read(folder.path(name)).unwrap();
+        for (turn, way) in [("turn_001.png", "way_001.png"), ("turn_002.png", "way_003.png")] {
+            assert_eq!(read(turn), read(way), "{what}");
+        }
+    }
 }
 
 #[test]

@@ -6,11 +6,12 @@
 //! | make the surfaces that can be seen | [`Scene::meshes`], [`Scene::meshes_on_screen`] |
 //! | draw them, cut and capped | [`Scene::draw`] |
 //! | or trace rays to them, without a mesh | [`Scene::trace`] |
-//! | or cast rays through the values | [`Scene::cast`] |
+//! | or cast rays through the values | [`Scene::cast`], [`Scene::cast_each`] |
 //! | or lay the samples on each other | [`Scene::splat`] |
 //!
 //! A plane keeps places on one side of it. Of a surface that is cut only the part of the scan on that side is
-//! extracted; a surface that is transparent, or cut away altogether, is not. Samples that are NaN are outside.
+//! extracted, and of one that is seen from a place only what is in the picture; a surface that is transparent, or cut away
+//! altogether, is not. Samples that are NaN are outside.
 
 mod caps;
 mod detail;
@@ -32,11 +33,12 @@ use isokit_job::Job;
 use isokit_marching_cubes::{ExtractOptions, Nan};
 use isokit_mesh::TriMesh;
 use isokit_render::{
-    Camera, Cast, Drawn, Image, Interpolant, Isosurface, Isosurfaces, Kernel, Medium, OpticalModel,
-    Paint, Painted, RasterOptions, RaycastOptions, Size, SolidTexture, Splatted, Traced,
-    TransferFunction, isocast, rasterize, raycast, splat,
+    Cast, Drawn, Image, Interpolant, Isosurface, Isosurfaces, Kernel, Medium, OpticalModel, Paint,
+    Painted, RasterOptions, RaycastOptions, Raycaster, Size, SolidTexture, Splatted, Traced,
+    TransferFunction, isocast, kept_bounds, rasterize, splat,
 };
 use isokit_volume::for_any;
+use needs::Views;
 
 /// What is to be seen, from where, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,16 +116,27 @@ impl Scene {
         SurfaceOptions::default().with_extract(ExtractOptions::DEFAULT.with_nan(Nan::Outside))
     }
 
-    /// The surfaces of a scan that can be seen, each as far as it is not cut away, or a few cells farther; empty
-    /// meshes for the others. Without normals, if no picture of the scene asks for them.
+    /// The surfaces of a scan that can be seen in pictures of a size from some viewpoints, each as far as it is not cut
+    /// away or beside the pictures, or a few cells farther; empty meshes for the others. Without normals, if no picture of
+    /// the scene asks for them.
     ///
     /// # Errors
     ///
-    /// If a plane names a surface that is not there, or if an extraction fails.
-    pub fn meshes(&self, scan: &Scan, job: &Job) -> Result<Vec<TriMesh>, SceneError> {
+    /// If a plane names a surface that is not there, if a camera sees nothing, or if an extraction fails.
+    pub fn meshes(
+        &self,
+        scan: &Scan,
+        camera: (&[Viewpoint], Size),
+        job: &Job,
+    ) -> Result<Vec<TriMesh>, SceneError> {
         self.check_names()?;
+        let views = self.views(scan, camera, self.raster.needs_surroundings())?;
+        self.meshes_in(scan, &views, job)
+    }
+
+    fn meshes_in(&self, scan: &Scan, views: &Views, job: &Job) -> Result<Vec<TriMesh>, SceneError> {
         let parts: Vec<_> =
-            self.surfaces.iter().map(|look| self.part_of(look, scan).ok()).collect();
+            self.surfaces.iter().map(|look| self.part_of(look, scan, views).ok()).collect();
         let mut meshes = vec![TriMesh::default(); parts.len()];
         let normals = if self.raster.needs_normals() { Normals::Gradient } else { Normals::None };
         let options = Self::surface_options().with_normals(normals);
@@ -195,7 +208,7 @@ impl Scene {
     }
 
     /// The picture of a scan's surfaces, without meshes of them. From a side the whole scan is in the picture. Those of
-    /// which planes leave nothing are not looked for.
+    /// which planes leave nothing, or nothing in the picture, are not looked for.
     ///
     /// # Errors
     ///
@@ -207,9 +220,11 @@ impl Scene {
             self.surfaces.iter().map(|look| self.halves(look)).collect();
         let solids = self.solids();
         let looks = self.surfaces.iter().zip(&clips).zip(&solids);
+        let of = (&[self.viewpoint][..], size);
+        let views = self.views(scan, of, self.raster.needs_surroundings())?;
         let looks = looks.filter_map(|((look, clips), solid)| {
             let (paint, opacity) = (look.paint(solid), look.opacity);
-            self.part_of(look, scan).ok()?;
+            self.part_of(look, scan, &views).ok()?;
             Some(Isosurface { iso: look.iso?, paint, opacity, clips })
         });
         let surfaces: Vec<_> = looks.collect();
@@ -232,14 +247,40 @@ impl Scene {
     /// # Errors
     ///
     /// If a plane names a surface that is not there; if nothing says what values look like; if the camera sees nothing;
-    /// or as [`raycast`].
+    /// or as [`raycast`](isokit_render::raycast).
     pub fn cast(&self, scan: &Scan, size: Size, job: &Job) -> Result<(Image, Cast), SceneError> {
-        let (model, camera, clips) = self.of_values(scan, size)?;
+        let mut made = None;
+        self.cast_each(scan, (&[self.viewpoint], size), job, |image, cast| {
+            made = Some((image, cast));
+            Ok::<_, SceneError>(())
+        })?;
+        Ok(made.expect("one viewpoint, one picture"))
+    }
+
+    /// The same from several viewpoints, one picture after the other. What does not depend on the viewpoint is done once.
+    ///
+    /// # Errors
+    ///
+    /// As [`cast`](Self::cast), or what is said of a picture.
+    pub fn cast_each<E: From<SceneError>>(
+        &self,
+        scan: &Scan,
+        (viewpoints, size): (&[Viewpoint], Size),
+        job: &Job,
+        mut each: impl FnMut(Image, Cast) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let (model, clips) = self.of_values()?;
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
-            let bricks = scan.part_bricks(&view, job)?;
+            let bricks = scan.part_bricks(&view, job).map_err(SceneError::from)?;
             let medium = Medium { view: &view, bricks: Some(bricks), model, clips: &clips };
-            Ok(raycast(&medium, (&camera, size), &self.raycast, job)?)
+            let caster = Raycaster::new(&medium, &self.raycast, job).map_err(SceneError::from)?;
+            for viewpoint in viewpoints {
+                let camera = viewpoint.camera(scan.around(), size).map_err(SceneError::from)?;
+                let (image, cast) = caster.picture((&camera, size), job).map_err(SceneError::from)?;
+                each(image, cast)?;
+            }
+            Ok(())
         })
     }
 
@@ -254,7 +295,8 @@ impl Scene {
         size: Size,
         job: &Job,
     ) -> Result<(Image, Splatted), SceneError> {
-        let (model, camera, clips) = self.of_values(scan, size)?;
+        let (model, clips) = self.of_values()?;
+        let camera = self.viewpoint.camera(scan.around(), size)?;
         for_any!(scan.volume(), volume => {
             let view = scan.view(volume);
             let bricks = scan.part_bricks(&view, job)?;
@@ -263,16 +305,11 @@ impl Scene {
         })
     }
 
-    /// What pictures of values need: what they look like, from where, and where they are cut.
-    fn of_values(
-        &self,
-        scan: &Scan,
-        size: Size,
-    ) -> Result<(&OpticalModel, Camera, Vec<HalfSpace>), SceneError> {
+    /// What pictures of values need: what they look like, and where they are cut.
+    fn of_values(&self) -> Result<(&OpticalModel, Vec<HalfSpace>), SceneError> {
         self.check_names()?;
         let model = self.model.as_ref().ok_or(SceneError::NoTransfer)?;
-        let camera = self.viewpoint.camera(scan.around(), size)?;
-        Ok((model, camera, self.cuts_of_all().collect()))
+        Ok((model, self.cuts_of_all().collect()))
     }
 
     /// The same scene with one of its surfaces alone to be seen.
@@ -285,17 +322,11 @@ impl Scene {
         scene
     }
 
-    /// The box around the vertices that planes leave of the surfaces that can be seen, if it is more than a point.
+    /// The box around what planes leave of the surfaces that can be seen, if it is more than a point.
     pub fn extent(&self, meshes: &[TriMesh]) -> Option<Aabb> {
         let seen = self.surfaces.iter().zip(meshes).filter(|(look, _)| look.opacity > 0.0);
-        let places = seen.flat_map(|(look, mesh)| {
-            let halves = self.halves(look);
-            let is_kept = move |place: &Vector| {
-                place.iter().all(|c| c.is_finite()) && halves.iter().all(|half| half.keeps(*place))
-            };
-            mesh.positions.iter().filter(is_kept)
-        });
-        let found = Aabb::around(places)?;
+        let boxes = seen.filter_map(|(look, mesh)| kept_bounds(mesh, &self.halves(look)));
+        let found = boxes.reduce(|a, b| a.with(b.min).with(b.max))?;
         let extents = [0, 1, 2].map(|k| found.max[k] - found.min[k]);
         let is_wide = extents.iter().all(|extent| extent.is_finite()) && extents != [0.0; 3];
         is_wide.then_some(found)

@@ -2,7 +2,7 @@
 
 use crate::Size;
 use isokit_geom::{
-    Aabb, Space,
+    Aabb, HalfSpace, Space,
     vector::{Vector, cross, dot, length, sub},
 };
 
@@ -139,9 +139,48 @@ impl Camera {
     /// `aspect` is not above 0.
     pub fn framing(
         bounds: Aabb,
-        (forward, up): (Vector, Vector),
+        directions: (Vector, Vector),
         fov: Option<f64>,
         aspect: f64,
+    ) -> Result<Self, CameraError> {
+        Self::framed(bounds, directions, (fov, aspect), |[aside, up, ahead], slopes| match slopes {
+            None => [aside.abs(), up.abs()],
+            Some([across, upright]) => [aside.abs() / across - ahead, up.abs() / upright - ahead],
+        })
+    }
+
+    /// The same, as far away or as wide as shows all of the box also while it turns around what is up in the picture:
+    /// pictures of a way around it are of one scale.
+    ///
+    /// # Errors
+    ///
+    /// As [`framing`](Self::framing).
+    pub fn framing_turns(
+        bounds: Aabb,
+        directions: (Vector, Vector),
+        fov: Option<f64>,
+        aspect: f64,
+    ) -> Result<Self, CameraError> {
+        Self::framed(bounds, directions, (fov, aspect), |[aside, up, ahead], slopes| {
+            let around = length([aside, 0.0, ahead]);
+            match slopes {
+                None => [around, up.abs()],
+                // The most of `|around * cos t| / across - around * sin t` and of what the upper edge asks for.
+                Some([across, upright]) => {
+                    [around * length([1.0, across.recip(), 0.0]), up.abs() / upright + around]
+                }
+            }
+        })
+    }
+
+    /// A camera that shows corners of a box, so far to the right, up and ahead of its middle, as far as they reach: along
+    /// the picture's width and height; or, of a perspective that is so much wider and higher with each step ahead, how
+    /// far the camera is from the middle.
+    fn framed(
+        bounds: Aabb,
+        (forward, up): (Vector, Vector),
+        (fov, aspect): (Option<f64>, f64),
+        reach: impl Fn(Vector, Option<[f64; 2]>) -> [f64; 2],
     ) -> Result<Self, CameraError> {
         let middle: Vector = std::array::from_fn(|k| bounds.min[k].midpoint(bounds.max[k]));
         let radius = length(sub(bounds.max, middle));
@@ -149,30 +188,28 @@ impl Camera {
             return Err(CameraError::NoExtent);
         }
         let forward = unit(forward).ok_or(CameraError::NoDirection)?;
-        let from: Vector = std::array::from_fn(|k| middle[k] - 2.0 * radius * forward[k]);
+        let from = |back: f64| std::array::from_fn(|k| middle[k] - back * forward[k]);
         let projection = match fov {
             Some(fov) => Projection::Perspective { fov },
             None => Projection::Parallel { height: radius },
         };
-        let first = Self::new(from, middle, up, projection)?;
-        let corners = bounds.corners().map(|corner| {
-            let from = sub(corner, middle);
-            [dot(from, first.right) / aspect, dot(from, first.up), dot(from, forward)]
-        });
-        let most = |reach: &dyn Fn(&[f64; 3]) -> f64| corners.iter().map(reach).fold(0.0, f64::max);
+        let first = Self::new(from(2.0 * radius), middle, up, projection)?;
         let usable = 1.0 - 2.0 * MARGIN;
-        match fov {
+        let slopes = fov.map(|fov| {
+            let slope = (fov.to_radians() / 2.0).tan() * usable;
+            [slope * aspect, slope]
+        });
+        let reaches = bounds.corners().map(|corner| {
+            let corner = sub(corner, middle);
+            reach([first.right, first.up, forward].map(|axis| dot(corner, axis)), slopes)
+        });
+        let most = |k: usize| reaches.iter().map(|reach| reach[k]).fold(0.0, f64::max);
+        match slopes {
             None => {
-                let height = 2.0 * most(&|c| c[0].abs().max(c[1].abs())) / usable;
-                Self::new(from, middle, up, Projection::Parallel { height })
+                let height = 2.0 * (most(0) / aspect).max(most(1)) / usable;
+                Self::new(from(2.0 * radius), middle, up, Projection::Parallel { height })
             }
-            Some(fov) => {
-                // A corner is within the picture if it is no farther aside than the angle allows there.
-                let slope = (fov.to_radians() / 2.0).tan() * usable;
-                let back = most(&|c| c[0].abs().max(c[1].abs()) / slope - c[2]);
-                let from = std::array::from_fn(|k| middle[k] - back * forward[k]);
-                Self::new(from, middle, up, projection)
-            }
+            Some(_) => Self::new(from(most(0).max(most(1))), middle, up, projection),
         }
     }
 
@@ -230,6 +267,24 @@ impl Camera {
             Projection::Parallel { .. } => self.half,
             Projection::Perspective { .. } => self.half * ahead,
         }
+    }
+
+    /// What a picture shows that is `aspect` times as wide as high: what is in all of these, but for rounding. A side is
+    /// left out where numbers end.
+    pub fn frustum(&self, aspect: f64) -> Vec<HalfSpace> {
+        let is_parallel = matches!(self.projection, Projection::Parallel { .. });
+        let sides = [(self.right, self.half * aspect), (self.up, self.half)];
+        let sides =
+            sides.into_iter().flat_map(|(axis, half)| [(axis, half), (axis.map(|c| -c), half)]);
+        let sides = sides.map(|(axis, half)| match is_parallel {
+            true => (axis, half),
+            false => (std::array::from_fn(|k| axis[k] - half * self.forward[k]), 0.0),
+        });
+        let ahead = (self.forward.map(|c| -c), 0.0);
+        let half_spaces = sides
+            .chain([ahead])
+            .map(|(normal, beyond)| HalfSpace::new(normal, dot(normal, self.from) + beyond));
+        half_spaces.flatten().collect()
     }
 
     /// The ray of a point of the picture: `x` from −`aspect` at the left edge to `aspect`, `y` from −1 at the

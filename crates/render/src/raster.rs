@@ -21,6 +21,7 @@ mod tile;
 
 use crate::{Camera, Channel, Gathered, Image, Light, Ray, Size, shading::Shading};
 use bins::Bins;
+pub use cut::kept_bounds;
 use isokit_geom::{
     Aabb, HalfSpace,
     vector::{Vector, dot},
@@ -135,6 +136,11 @@ impl RasterOptions {
             Channel::Normal => true,
             Channel::Depth => false,
         }
+    }
+
+    /// Whether the picture depends on surfaces beside it, which may be in the way of light.
+    pub fn needs_surroundings(&self) -> bool {
+        self.occlusion > 0.0 || self.shadows && self.light_from.is_some()
     }
 
     /// The defaults named above.

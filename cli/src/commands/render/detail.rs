@@ -3,17 +3,22 @@
 use super::Seen;
 use crate::{Session, plan::RenderPlan, report::RenderSkipped, text::grouped};
 use anyhow::Result;
-use isokit::{mesh::TriMesh, pipeline::Scan, scene::Scene};
+use isokit::{
+    mesh::TriMesh,
+    pipeline::Scan,
+    render::Size,
+    scene::{Scene, Viewpoint},
+};
 
 /// Leaves out samples that pixels do not show; how often they were halved along x, y, z comes back. What was said in
 /// units of their distances stays as it was.
 pub(super) fn halve(
     plan: &RenderPlan,
     seen: &mut Seen,
+    camera: (&[Viewpoint], Size),
     session: &Session<'_, '_>,
 ) -> Result<[u32; 3]> {
     let Some(scan) = &seen.scan else { return Ok([0; 3]) };
-    let camera = (&plan.viewpoints[..], plan.size);
     let halvings = Scene::halvings(scan, seen.around.0, camera)?;
     if plan.is_plan {
         return Ok(halvings);
@@ -30,12 +35,11 @@ pub(super) fn halve(
 
 /// The surfaces of as few samples as pixels show. What got lost is told.
 pub(super) fn meshes(
-    plan: &RenderPlan,
     (scene, scan): (&Scene, &Scan),
+    camera: (&[Viewpoint], Size),
     skipped: &mut RenderSkipped,
     session: &Session<'_, '_>,
 ) -> Result<Vec<TriMesh>> {
-    let camera = (&plan.viewpoints[..], plan.size);
     let made = scene.meshes_on_screen(scan, camera, &session.job)?;
     skipped.halvings = made.halvings;
     skipped.bricks_lost = made.bricks_lost;

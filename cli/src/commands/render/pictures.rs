@@ -20,7 +20,7 @@ use isokit::{
     scene::{Scene, Viewpoint},
     volume::{Grid, Volume},
 };
-use std::{num::NonZeroU32, path::Path};
+use std::{num::NonZeroU32, path::Path, time::Instant};
 
 /// Makes and writes one picture after the other.
 pub(super) fn pictures(
@@ -29,39 +29,32 @@ pub(super) fn pictures(
     (skipped, timings): (&mut RenderSkipped, &mut RenderTimings),
     session: &mut Session<'_, '_>,
 ) -> Result<()> {
+    let (size, job, start) = (plan.size, session.job.clone(), Instant::now());
+    if let (ModeWord::Raycast, Some(scan)) = (plan.mode, &seen.scan) {
+        let mut targets = plan.targets.iter();
+        let of = (&plan.viewpoints[..], size);
+        seen.scene.cast_each(scan, of, &job, |image, cast| -> Result<()> {
+            skipped.add_cast(&cast);
+            let mut write = |target| write(plan, &image, target, session);
+            timed(&mut timings.write, || targets.next().map_or(Ok(()), &mut write))
+        })?;
+        timings.render = start.elapsed().as_secs_f64() - timings.write;
+        return Ok(());
+    }
     for (viewpoint, target) in plan.viewpoints.iter().zip(&plan.targets) {
         seen.scene.viewpoint = *viewpoint;
-        let job = session.job.clone();
-        let image = timed(&mut timings.render, || match plan.is_sheet {
-            true => sheet(plan, seen, skipped, &job),
-            false => picture(plan, seen, plan.size, skipped, &job),
+        let image = timed(&mut timings.render, || match (plan.mode, &seen.scan) {
+            _ if plan.is_sheet => sheet(plan, seen, skipped, &job),
+            (ModeWord::Splat, Some(scan)) => {
+                let (image, splatted) = seen.scene.splat(scan, size, &job)?;
+                skipped.add_splatted(&splatted);
+                Ok(image)
+            }
+            _ => surfaces(plan, seen, &seen.scene, size, skipped, &job),
         })?;
         timed(&mut timings.write, || write(plan, &image, target, session))?;
     }
     Ok(())
-}
-
-/// One picture.
-fn picture(
-    plan: &RenderPlan,
-    seen: &Seen,
-    size: Size,
-    skipped: &mut RenderSkipped,
-    job: &Job,
-) -> Result<Image> {
-    match (plan.mode, &seen.scan) {
-        (ModeWord::Raycast, Some(scan)) => {
-            let (image, cast) = seen.scene.cast(scan, size, job)?;
-            skipped.add_cast(&cast);
-            Ok(image)
-        }
-        (ModeWord::Splat, Some(scan)) => {
-            let (image, splatted) = seen.scene.splat(scan, size, job)?;
-            skipped.add_splatted(&splatted);
-            Ok(image)
-        }
-        _ => surfaces(plan, seen, &seen.scene, size, skipped, job),
-    }
 }
 
 /// The picture of the surfaces of a scene.
@@ -88,33 +81,42 @@ fn surfaces(
     }
 }
 
-/// Each surface alone, side by side, all from the same place, with their names.
-fn sheet(plan: &RenderPlan, seen: &Seen, skipped: &mut RenderSkipped, job: &Job) -> Result<Image> {
-    let scene = &seen.scene;
-    let count = scene.surfaces.len().max(1) as u32;
+/// How many surfaces stand side by side in a sheet, and the size of the picture of each: as many as make it about square.
+fn cells(plan: &RenderPlan, surfaces: usize) -> Result<(u32, Size), UsageError> {
+    let count = surfaces.max(1) as u32;
     let [width, height] = [plan.size.width, plan.size.height].map(|n| n.get());
-    // As many side by side as make cells about square.
     let square = f64::from(count) * f64::from(width) / f64::from(height);
     let columns = (square.sqrt().round() as u32).clamp(1, count);
     let rows = count.div_ceil(columns);
-    let cell = NonZeroU32::new(width / columns).zip(NonZeroU32::new(height / rows));
-    let Some((of_width, of_height)) = cell else {
-        return Err(
-            UsageError(format!("{count} pictures do not fit into {width} x {height}")).into()
-        );
-    };
-    let cell = Size { width: of_width, height: of_height };
+    match NonZeroU32::new(width / columns).zip(NonZeroU32::new(height / rows)) {
+        Some((width, height)) => Ok((columns, Size { width, height })),
+        None => Err(UsageError(format!("{count} pictures do not fit into {width} x {height}"))),
+    }
+}
+
+/// The size of a picture of surfaces.
+pub(super) fn size(plan: &RenderPlan, surfaces: usize) -> Result<Size, UsageError> {
+    match plan.is_sheet {
+        true => Ok(cells(plan, surfaces)?.1),
+        false => Ok(plan.size),
+    }
+}
+
+/// Each surface alone, side by side, all from the same place, with their names.
+fn sheet(plan: &RenderPlan, seen: &Seen, skipped: &mut RenderSkipped, job: &Job) -> Result<Image> {
+    let scene = &seen.scene;
+    let (columns, cell) = cells(plan, scene.surfaces.len())?;
     let (around, space) = seen.around;
     let bounds = scene.extent(&seen.meshes).unwrap_or(around);
     let camera = scene.viewpoint.camera((bounds, space), cell)?;
     let mut image = Image::new(plan.size, &job.limits)?;
-    for (n, look) in (0..count).zip(&scene.surfaces) {
+    for (n, look) in (0..).zip(&scene.surfaces) {
         let mut only = scene.with_only(n as usize);
         only.viewpoint = Viewpoint::of(&camera);
         let one = surfaces(plan, seen, &only, cell, skipped, job)?;
         let [left, top] = [n % columns * cell.width.get(), n / columns * cell.height.get()];
         for (row, pixels) in (0..).zip(one.pixels().chunks(cell.width.get() as usize)) {
-            let first = (top + row) as usize * width as usize + left as usize;
+            let first = (top + row) as usize * plan.size.width.get() as usize + left as usize;
             image.pixels_mut()[first..first + pixels.len()].copy_from_slice(pixels);
         }
         let name = match look.iso {

@@ -76,7 +76,7 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
     let of_samples = match mode {
         ModeWord::Splat => Some("samples, which give nothing to what can be seen"),
         ModeWord::Raycast => None,
-        _ => Some("samples, which planes cut away"),
+        _ => Some("samples, which planes cut away or no picture shows"),
     };
     let every = skipped.halvings.map(|halvings| 1_u64 << halvings.min(63));
     let steps = skipped.steps + skipped.steps_leapt + skipped.steps_hidden;

@@ -72,16 +72,19 @@ pub(super) fn of(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, Us
         SideWord::Inferior => Side::Inferior,
     };
     let orbit = args.orbit.or(table.orbit).unwrap_or(0.0);
-    Ok(Viewpoint::Framed { side, orbit, fov: (!is_parallel).then_some(fov) })
+    Ok(Viewpoint::Framed { side, orbit, fov: (!is_parallel).then_some(fov), turns: false })
 }
 
 /// The way around, in as many steps.
 pub(super) fn around(viewpoint: Viewpoint, frames: usize) -> Result<Vec<Viewpoint>, UsageError> {
     match viewpoint {
         _ if frames == 1 => Ok(vec![viewpoint]),
-        Viewpoint::Framed { side, orbit, fov } => {
+        Viewpoint::Framed { side, orbit, fov, .. } => {
             let step = 360.0 / frames as f64;
-            let at = |n: usize| Viewpoint::Framed { side, orbit: orbit + step * n as f64, fov };
+            let at = |n: usize| {
+                let orbit = orbit + step * n as f64;
+                Viewpoint::Framed { side, orbit, fov, turns: true }
+            };
             Ok((0..frames).map(at).collect())
         }
         Viewpoint::At { .. } => {

@@ -1,6 +1,6 @@
 //! How much detail a picture can show: samples that are nearer to each other than its pixels need not be looked at.
 
-use super::{Scene, SceneError, Viewpoint};
+use super::{Scene, SceneError, Viewpoint, needs::Views};
 use crate::pipeline::Scan;
 use isokit_geom::Aabb;
 use isokit_job::Job;
@@ -78,11 +78,13 @@ impl Scene {
         camera: (&[Viewpoint], Size),
         job: &Job,
     ) -> Result<OnScreen, SceneError> {
-        let around = scan.around().0;
+        self.check_names()?;
+        let (around, is_surrounded) = (scan.around().0, self.raster.needs_surroundings());
+        let views = self.views(scan, camera, is_surrounded)?;
         let mut halvings = Self::halvings(scan, around, camera)?;
         loop {
             let coarse = scan.halved(halvings, job)?;
-            let meshes = self.meshes(coarse.as_ref().unwrap_or(scan), job)?;
+            let meshes = self.meshes_in(coarse.as_ref().unwrap_or(scan), &views, job)?;
             // Pictures are framed by the surfaces, which are less than the scan.
             let bounds = self.extent(&meshes).unwrap_or(around);
             let needed = Self::halvings(scan, bounds, camera)?;
@@ -91,7 +93,7 @@ impl Scene {
                 continue;
             }
             let (bricks, bricks_lost) = match &coarse {
-                Some(coarse) => self.lost(scan, coarse, halvings, job)?,
+                Some(coarse) => self.lost(scan, (coarse, halvings), &views, job)?,
                 None => (0, 0),
             };
             return Ok(OnScreen { meshes, halvings, bricks, bricks_lost });
@@ -102,11 +104,11 @@ impl Scene {
     fn lost(
         &self,
         scan: &Scan,
-        coarse: &Scan,
-        halvings: [u32; 3],
+        (coarse, halvings): (&Scan, [u32; 3]),
+        views: &Views,
         job: &Job,
     ) -> Result<(u64, u64), SceneError> {
-        let isos = self.surfaces.iter().filter(|look| self.part_of(look, scan).is_ok());
+        let isos = self.surfaces.iter().filter(|look| self.part_of(look, scan, views).is_ok());
         let isos: Vec<f64> = isos.filter_map(|look| look.iso).collect();
         let mut counts = (0, 0);
         for_any!(scan.volume(), volume => {

@@ -1,10 +1,11 @@
 //! What a scene needs, and what it does not.
 
-use super::{Scene, SceneError, SurfaceLook};
+use super::{Scene, SceneError, SurfaceLook, Viewpoint};
 use crate::pipeline::Scan;
 use isokit_geom::{HalfSpace, vector::dot};
 use isokit_job::Job;
 use isokit_lanes::Side;
+use isokit_render::Size;
 use isokit_volume::{Sample, View, for_any};
 use std::ops::Range;
 
@@ -19,7 +20,7 @@ pub struct Needs {
     pub bricks_skipped: u64,
     /// Samples of the scan.
     pub samples: u64,
-    /// Samples that no surface needs, since planes cut away what is there.
+    /// Samples that no surface needs, since planes cut away what is there, or no picture shows it.
     pub samples_skipped: u64,
 }
 
@@ -41,26 +42,41 @@ pub enum Unneeded {
     /// Nothing of it is left.
     #[error("planes cut it away")]
     CutAway,
+    /// No picture shows it.
+    #[error("it is beside the picture")]
+    Beside,
     /// It is there already.
     #[error("it is a mesh")]
     Mesh,
 }
+
+/// What pictures show from each of several viewpoints: for one that shows all, no planes.
+pub(super) type Views = Vec<Vec<HalfSpace>>;
+
+/// A box in index space: from where to where it reaches along x, y, z.
+type Ends = [[f64; 2]; 3];
 
 /// Samples that are looked at beyond a plane, so that vertices and normals are those of the whole: one for the cell
 /// that the plane goes through, and three for placement and normals.
 const MARGIN: f64 = 4.0;
 
 impl Scene {
-    /// What the surfaces of a scan need. Reads the scan once.
+    /// What the surfaces of a scan need for pictures of a size from some viewpoints. Reads the scan once.
     ///
     /// # Errors
     ///
-    /// If a plane names a surface that is not there, or if the job is cancelled.
-    pub fn needs(&self, scan: &Scan, job: &Job) -> Result<Needs, SceneError> {
+    /// If a plane names a surface that is not there, if a camera sees nothing, or if the job is cancelled.
+    pub fn needs(
+        &self,
+        scan: &Scan,
+        camera: (&[Viewpoint], Size),
+        job: &Job,
+    ) -> Result<Needs, SceneError> {
         self.check_names()?;
+        let views = self.views(scan, camera, self.raster.needs_surroundings())?;
         let need = |look: &SurfaceLook| SurfaceNeed {
             name: look.name.clone(),
-            part: self.part_of(look, scan),
+            part: self.part_of(look, scan, &views),
         };
         let surfaces: Vec<_> = self.surfaces.iter().map(need).collect();
         let samples = |part: &[Range<usize>; 3]| -> u64 {
@@ -84,9 +100,16 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// If a plane names a surface that is not there, if nothing says what values look like, or if the job is cancelled.
-    pub fn needs_of_rays(&self, scan: &Scan, job: &Job) -> Result<Needs, SceneError> {
+    /// If a plane names a surface that is not there, if nothing says what values look like, if a camera sees nothing, or
+    /// if the job is cancelled.
+    pub fn needs_of_rays(
+        &self,
+        scan: &Scan,
+        camera: (&[Viewpoint], Size),
+        job: &Job,
+    ) -> Result<Needs, SceneError> {
         self.check_names()?;
+        let views = self.views(scan, camera, self.raycast.scatter.is_some())?;
         let model = self.model.as_ref().ok_or(SceneError::NoTransfer)?;
         let corner = scan.part().map(|range| range.start);
         let samples = scan.part().iter().map(|range| range.len() as u64).product();
@@ -100,11 +123,13 @@ impl Scene {
                     let [a, b] = ends.map(|end| scaling.value(end.to_f64()));
                     model.shows_any([a.min(b), a.max(b)])
                 });
-                let ends: [[f64; 2]; 3] = std::array::from_fn(|k| {
+                let ends: Ends = std::array::from_fn(|k| {
                     let along = grid.samples(k, brick[k]);
                     [*along.start(), *along.end()].map(|end| (end + corner[k]) as f64)
                 });
-                shows && self.cuts_of_all().all(|half| kept(&half, scan, ends).is_some())
+                let is_in = |half: &HalfSpace| kept(half, scan, ends).is_some();
+                let is_shown = |view: &Vec<HalfSpace>| view.iter().all(is_in);
+                shows && self.cuts_of_all().all(|half| is_in(&half)) && views.iter().any(is_shown)
             };
             let seen = all_of(grid.counts()).filter(is_seen).count() as u64;
             let bricks = all_of(grid.counts()).count() as u64;
@@ -148,11 +173,29 @@ impl Scene {
         Ok((count, all_of(grid.counts()).filter(is_active).count() as u64))
     }
 
+    /// What pictures of a size show from viewpoints; all, if they depend on what is beside them.
+    pub(super) fn views(
+        &self,
+        scan: &Scan,
+        (viewpoints, size): (&[Viewpoint], Size),
+        needs_surroundings: bool,
+    ) -> Result<Views, SceneError> {
+        let aspect = f64::from(size.width.get()) / f64::from(size.height.get());
+        let view = |viewpoint: &Viewpoint| match viewpoint {
+            Viewpoint::At { .. } if !needs_surroundings => {
+                Ok(viewpoint.camera(scan.around(), size)?.frustum(aspect))
+            }
+            _ => Ok(vec![]),
+        };
+        viewpoints.iter().map(view).collect()
+    }
+
     /// The samples that a surface needs.
     pub(super) fn part_of(
         &self,
         look: &SurfaceLook,
         scan: &Scan,
+        views: &Views,
     ) -> Result<[Range<usize>; 3], Unneeded> {
         if look.iso.is_none() {
             return Err(Unneeded::Mesh);
@@ -161,10 +204,15 @@ impl Scene {
             return Err(Unneeded::Transparent);
         }
         let part = scan.part();
-        let mut ends = part.each_ref().map(|range| [range.start as f64, range.end as f64 - 1.0]);
-        for clip in self.clips_of(look) {
-            ends = kept(&clip.half, scan, ends).ok_or(Unneeded::CutAway)?;
-        }
+        let all = part.each_ref().map(|range| [range.start as f64, range.end as f64 - 1.0]);
+        let within = |ends: Ends, half: &HalfSpace| kept(half, scan, ends);
+        let left = self.clips_of(look).map(|clip| &clip.half).try_fold(all, within);
+        let left = left.ok_or(Unneeded::CutAway)?;
+        let shown = views.iter().filter_map(|view| view.iter().try_fold(left, within));
+        let around = |a: Ends, b: Ends| {
+            std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
+        };
+        let ends = shown.reduce(around).ok_or(Unneeded::Beside)?;
         Ok(std::array::from_fn(|k| {
             let Range { start, end } = part[k].clone();
             let first = (ends[k][0] - MARGIN).floor().max(start as f64) as usize;
@@ -180,7 +228,7 @@ fn all_of([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
 }
 
 /// The box, in index space, around what a plane keeps of a box.
-fn kept(half: &HalfSpace, scan: &Scan, ends: [[f64; 2]; 3]) -> Option<[[f64; 2]; 3]> {
+fn kept(half: &HalfSpace, scan: &Scan, ends: Ends) -> Option<Ends> {
     let affine = &scan.frame().index_to_world;
     let normal = affine.columns().map(|column| dot(half.normal(), column));
     let offset = -half.beyond(affine.origin());

@@ -1,5 +1,6 @@
 //! Balls within balls: seen, cut and left out.
 
+mod beside;
 mod detail;
 
 use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
@@ -63,7 +64,7 @@ fn size() -> Size {
 }
 
 fn drawn(scene: &Scene, scan: &Scan) -> Result<Image, SceneError> {
-    let meshes = scene.meshes(scan, &Job::default())?;
+    let meshes = scene.meshes(scan, (&[scene.viewpoint], size()), &Job::default())?;
     Ok(scene.draw(&meshes, (Some(scan), scan.around()), size(), &Job::default())?.0)
 }
 
@@ -113,15 +114,16 @@ fn planes_cut_what_they_name_and_caps_close_it() {
 #[test]
 fn what_planes_cut_away_is_not_extracted_and_nobody_sees_a_difference() {
     let scan = scan();
-    let whole: Vec<TriMesh> = scene().meshes(&scan, &Job::default()).unwrap();
+    let whole: Vec<TriMesh> =
+        scene().meshes(&scan, (&[scene().viewpoint], size()), &Job::default()).unwrap();
     // Framed too: by what is left.
-    let framed = Viewpoint::Framed { side: Side::Left, orbit: 20.0, fov: Some(30.0) };
+    let framed = Viewpoint::Framed { side: Side::Left, orbit: 20.0, fov: Some(30.0), turns: false };
     for normal in [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.05, -1.0, 0.08]] {
         for offset in [-6.0, 3.0] {
             let half = HalfSpace::new(normal, offset).unwrap();
             let clip = Clip { half, surfaces: None, cap: CapStyle::Solid };
             let scene = Scene { clips: vec![clip], viewpoint: framed, ..scene() };
-            let cut = scene.meshes(&scan, &Job::default()).unwrap();
+            let cut = scene.meshes(&scan, (&[scene.viewpoint], size()), &Job::default()).unwrap();
             assert!(cut[0].triangles.len() < whole[0].triangles.len());
             let draw = |meshes: &[TriMesh]| {
                 let subject = (Some(&scan), scan.around());
@@ -133,7 +135,7 @@ fn what_planes_cut_away_is_not_extracted_and_nobody_sees_a_difference() {
                 let off = (0..3).map(|n| (cut.color[n] - whole.color[n]).abs());
                 assert!(off.fold(0.0, f32::max) < 1e-6, "{normal:?}, {offset}");
             }
-            let needs = scene.needs(&scan, &Job::default()).unwrap();
+            let needs = scene.needs(&scan, (&[scene.viewpoint], size()), &Job::default()).unwrap();
             assert!(needs.samples_skipped > needs.samples / 10, "{needs:?}");
         }
     }
@@ -145,13 +147,14 @@ fn needs_say_why_nothing_is_made_of_a_surface() {
     let mut scene = scene();
     scene.surfaces[0].opacity = 0.0;
     scene.clips = vec![behind(-40.0, Some("bone"), CapStyle::None)];
-    let needs = scene.needs(&scan, &Job::default()).unwrap();
+    let needs = scene.needs(&scan, (&[scene.viewpoint], size()), &Job::default()).unwrap();
     let why: Vec<_> = needs.surfaces.iter().map(|need| need.part.clone()).collect();
     assert_eq!(why, [Err(Unneeded::Transparent), Err(Unneeded::CutAway)]);
     assert_eq!((needs.bricks, needs.samples), (needs.bricks_skipped, needs.samples_skipped));
-    let meshes = scene.meshes(&scan, &Job::default()).unwrap();
+    let meshes = scene.meshes(&scan, (&[scene.viewpoint], size()), &Job::default()).unwrap();
     assert!(meshes.iter().all(|mesh| mesh.triangles.is_empty()));
-    let all = super::tests::scene().needs(&scan, &Job::default()).unwrap();
+    let viewpoint = [scene.viewpoint];
+    let all = super::tests::scene().needs(&scan, (&viewpoint, size()), &Job::default()).unwrap();
     assert!(all.samples_skipped == 0 && all.bricks_skipped < all.bricks, "{all:?}");
 }
 
@@ -192,6 +195,37 @@ fn rays_are_cut_by_planes_that_cut_all() {
 }
 
 #[test]
+fn pictures_of_values_from_several_places_are_those_from_each_alone() {
+    let scan = scan();
+    let points = [(0.0, 0.0), (1.0, 0.1)].map(|(value, opacity)| ControlPoint {
+        value,
+        color: RED,
+        opacity,
+    });
+    let model = Some(TransferFunction::new(points.into()).unwrap().into());
+    let scene = Scene { clips: vec![behind(3.0, None, CapStyle::None)], model, ..scene() };
+    let turned = |orbit: f64| Viewpoint::Framed {
+        side: Side::Superior,
+        orbit,
+        fov: Some(40.0),
+        turns: orbit > 90.0,
+    };
+    let viewpoints = [scene.viewpoint, turned(10.0), turned(100.0)];
+    let (size, job, mut made) = (size(), Job::default(), vec![]);
+    scene
+        .cast_each(&scan, (&viewpoints, size), &job, |image, cast| {
+            made.push((image, cast));
+            Ok::<_, SceneError>(())
+        })
+        .unwrap();
+    assert_eq!(made.len(), viewpoints.len());
+    for (viewpoint, made) in viewpoints.into_iter().zip(made) {
+        let alone = Scene { viewpoint, ..scene.clone() }.cast(&scan, size, &job).unwrap();
+        assert!(made == alone, "{viewpoint:?}");
+    }
+}
+
+#[test]
 fn a_scene_that_does_not_fit_together_is_refused() {
     let scan = scan();
     let with = |clip| Scene { clips: vec![clip], ..scene() };
@@ -224,7 +258,7 @@ fn every_preset_shows_something_of_a_scan_with_such_values() {
             Volume::new(grid, (0..grid.count()).map(depth).collect::<Vec<f64>>()).unwrap(),
         );
         let transfer = preset.transfer(&scan, &Job::default()).unwrap();
-        let viewpoint = Viewpoint::Framed { side: Side::Left, orbit: 0.0, fov: None };
+        let viewpoint = Viewpoint::Framed { side: Side::Left, orbit: 0.0, fov: None, turns: false };
         let scene = Scene { model: Some(transfer.into()), viewpoint, ..scene() };
         let image = scene.cast(&scan, size(), &Job::default()).unwrap().0;
         assert!(image.pixel(40, 40).opacity > 0.3, "{preset:?}");
@@ -267,7 +301,7 @@ fn a_surface_that_is_flat_is_framed_as_it_is() {
         triangles: vec![[0, 1, 2]],
         ..TriMesh::default()
     };
-    let viewpoint = Viewpoint::Framed { side: Side::Superior, orbit: 0.0, fov: None };
+    let viewpoint = Viewpoint::Framed { side: Side::Superior, orbit: 0.0, fov: None, turns: false };
     let surface = SurfaceLook { iso: None, ..look("flat", 0.0, RED, 1.0) };
     let scene = Scene { surfaces: vec![surface], viewpoint, ..scene() };
     let around = (Aabb { min: [0.0; 3], max: [1.0; 3] }, Space::default());
@@ -301,7 +335,9 @@ fn rays_need_the_bricks_of_which_something_can_be_seen() {
     let point = |value, opacity| ControlPoint { value, color: [1.0; 3], opacity };
     let transfer = TransferFunction::new(vec![point(15.0, 0.0), point(20.0, 1.0)]).unwrap();
     let rays = Scene { model: Some(transfer.into()), ..scene() };
-    let needs = |scene: &Scene| scene.needs_of_rays(&scan(), &Job::default()).unwrap();
+    let needs = |scene: &Scene| {
+        scene.needs_of_rays(&scan(), (&[scene.viewpoint], size()), &Job::default()).unwrap()
+    };
     let all = needs(&rays);
     assert!(all.bricks_skipped > all.bricks / 2 && all.bricks_skipped < all.bricks, "{all:?}");
     let half = Scene { clips: vec![behind(0.0, None, CapStyle::None)], ..rays.clone() };
@@ -310,9 +346,10 @@ fn rays_need_the_bricks_of_which_something_can_be_seen() {
     assert_eq!(needs(&named), all);
     let lost = Scene { clips: vec![behind(0.0, Some("lost"), CapStyle::None)], ..rays };
     let size = size();
-    let refused = lost.cast(&scan(), size, &Job::default()).unwrap_err();
-    assert_eq!(refused.to_string(), lost.needs(&scan(), &Job::default()).unwrap_err().to_string());
-    let none = scene().needs_of_rays(&scan(), &Job::default());
+    let (job, camera) = (Job::default(), (&[lost.viewpoint][..], size));
+    let refused = lost.cast(&scan(), size, &job).unwrap_err();
+    assert_eq!(refused.to_string(), lost.needs(&scan(), camera, &job).unwrap_err().to_string());
+    let none = scene().needs_of_rays(&scan(), camera, &job);
     assert!(matches!(none, Err(SceneError::NoTransfer)));
 }
 

@@ -18,6 +18,8 @@ pub enum Viewpoint {
         orbit: f64,
         /// The angle of a perspective in degrees; without one the projection is parallel.
         fov: Option<f64>,
+        /// Whether it is one of several pictures around it: all of them have the same scale, at which all is in each.
+        turns: bool,
     },
     /// From a place.
     At {
@@ -51,14 +53,17 @@ impl Viewpoint {
         size: Size,
     ) -> Result<Camera, CameraError> {
         match *self {
-            Self::Framed { side, orbit, fov } => {
+            Self::Framed { side, orbit, fov, turns } => {
                 let aspect = f64::from(size.width.get()) / f64::from(size.height.get());
                 let (forward, up) = side.directions(space);
                 // Framed from where it ends up, so that all is in the picture.
                 let (sine, cosine) = orbit.to_radians().sin_cos();
                 let aside = cross(up, forward);
                 let forward = std::array::from_fn(|k| forward[k] * cosine + aside[k] * sine);
-                Camera::framing(bounds, (forward, up), fov, aspect)
+                match turns {
+                    false => Camera::framing(bounds, (forward, up), fov, aspect),
+                    true => Camera::framing_turns(bounds, (forward, up), fov, aspect),
+                }
             }
             Self::At { from, at, up, projection } => {
                 let middle = |k: usize| bounds.min[k].midpoint(bounds.max[k]);

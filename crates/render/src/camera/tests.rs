@@ -50,6 +50,65 @@ fn a_framed_box_fills_the_picture_and_stays_within() {
 }
 
 #[test]
+fn a_box_that_turns_fills_the_picture_at_its_widest_and_stays_within() {
+    for fov in WAYS {
+        for aspect in [0.2, 1.0, 2.0] {
+            for forward in [[0.0, 1.0, 0.0], [-1.0, 0.3, 0.2]] {
+                let directions = (forward, [0.0, 0.0, 1.0]);
+                let camera = Camera::framing_turns(bounds(), directions, fov, aspect).unwrap();
+                let steps = (0..720).map(|step| f64::from(step) / 2.0);
+                let most = steps.fold(0.0_f64, |most, degrees| {
+                    // The box turns around what is up in the picture, the camera stays.
+                    let (sine, cosine) = degrees.to_radians().sin_cos();
+                    let middle = [1.0, 10.5, 11.0];
+                    let up = camera.up();
+                    let corners = bounds().corners().map(|corner| {
+                        let from = sub(corner, middle);
+                        let (aside, along) = (cross(up, from), dot(up, from));
+                        let place = |k: usize| {
+                            middle[k]
+                                + up[k] * along
+                                + (from[k] - up[k] * along) * cosine
+                                + aside[k] * sine
+                        };
+                        seen(&camera, std::array::from_fn(place))
+                    });
+                    corners
+                        .iter()
+                        .fold(most, |most, [x, y]| most.max(x.abs() / aspect).max(y.abs()))
+                });
+                assert!((0.9395..0.9401).contains(&most), "{fov:?}, {aspect}, {forward:?}: {most}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_frustum_is_what_a_picture_shows() {
+    let (mut shown, mut state) = (0, 9_u64);
+    for fov in WAYS {
+        for aspect in [0.4, 1.0, 3.0] {
+            let directions = ([1.0, 2.0, -0.5], [0.0, 0.0, 1.0]);
+            let camera = Camera::framing(bounds(), directions, fov, aspect).unwrap();
+            let frustum = camera.frustum(aspect);
+            for _ in 0..2000 {
+                let place = [0, 1, 2].map(|k| {
+                    state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+                    let part = (state >> 40) as f64 / (1 << 24) as f64;
+                    camera.from()[k] + 40.0 * (2.0 * part - 1.0) + 20.0 * camera.forward()[k]
+                });
+                let [x, y] = seen(&camera, place);
+                let is_ahead = dot(sub(place, camera.from()), camera.forward()) >= 0.0;
+                let is_shown = is_ahead && x.abs() <= aspect && y.abs() <= 1.0;
+                assert_eq!(frustum.iter().all(|half| half.keeps(place)), is_shown, "{place:?}");
+                shown += u32::from(is_shown);
+            }
+        }
+    }
+    assert!((1000..9000).contains(&shown), "{shown}");
+}
+
+#[test]
 fn rays_are_of_length_one_and_lead_to_what_they_show() {
     for fov in WAYS {
         let camera =

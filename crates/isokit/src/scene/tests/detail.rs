@@ -68,7 +68,7 @@ fn samples_are_not_halved_beyond_what_has_a_place_in_the_world() {
 fn surfaces_of_fewer_samples_look_the_same_in_a_small_picture() {
     let (scan, scene, job) = (scan(), scene(), Job::default());
     let viewpoints = [scene.viewpoint];
-    let full = scene.meshes(&scan, &job).unwrap();
+    let full = scene.meshes(&scan, (&viewpoints, size(300)), &job).unwrap();
     for (pixels, is_less) in [(300, false), (11, true)] {
         let size = size(pixels);
         let seen = scene.meshes_on_screen(&scan, (&viewpoints, size), &job).unwrap();
