@@ -70,18 +70,29 @@ impl Histogram {
     ) -> Result<(), Cancelled> {
         let [_, ny, nz] = view.dims();
         let (first, per_width, last) = (self.first, 1.0 / self.width, self.counts.len() - 1);
+        let bin = |sample: T| {
+            let value = view.scaling().value(sample.to_f64());
+            let bin = ((value - first) * per_width).round();
+            value.is_finite().then(|| (bin.max(0.0) as usize).min(last))
+        };
         let of_slices = |slices: Range<usize>| {
             let (mut counts, mut scratch) = (vec![0; last + 1], vec![]);
+            let mut ranks = Ranks::of::<T>();
             for (j, k) in slices.flat_map(|k| (0..ny).map(move |j| (j, k))) {
                 if j == 0 {
                     job.check()?;
                 }
-                for sample in view.row(j, k).gather(&mut scratch) {
-                    let value = view.scaling().value(sample.to_f64());
-                    if value.is_finite() {
-                        let bin = ((value - first) * per_width).round();
-                        counts[(bin.max(0.0) as usize).min(last)] += 1;
+                let row = view.row(j, k).gather(&mut scratch);
+                match &mut ranks {
+                    Some(ranks) => ranks.count(row),
+                    None => {
+                        row.iter().filter_map(|&sample| bin(sample)).for_each(|n| counts[n] += 1)
                     }
+                }
+            }
+            for (rank, count) in ranks.iter().flat_map(Ranks::counts) {
+                if let Some(n) = bin(T::at_rank(rank)) {
+                    counts[n] += count;
                 }
             }
             Ok(counts)
@@ -155,6 +166,38 @@ impl Histogram {
     }
 }
 
+/// How often each sample of a type occurs that has few: what bin it is in is asked once for each.
+struct Ranks {
+    /// By place in order. In turns, so that neighbours, which are often equal, do not wait for each other.
+    tables: [Vec<u64>; TURNS],
+}
+
+const TURNS: usize = 4;
+
+impl Ranks {
+    fn of<T: Sample>() -> Option<Self> {
+        let is_short = size_of::<T>() <= 2;
+        is_short.then(|| Self { tables: [(); TURNS].map(|()| vec![0; T::LAST_RANK as usize + 1]) })
+    }
+
+    fn count<T: Sample>(&mut self, row: &[T]) {
+        let (turns, rest) = row.as_chunks::<TURNS>();
+        for turn in turns {
+            for (table, sample) in self.tables.iter_mut().zip(turn) {
+                table[sample.rank() as usize] += 1;
+            }
+        }
+        rest.iter().for_each(|sample| self.tables[0][sample.rank() as usize] += 1);
+    }
+
+    /// Those that occur.
+    fn counts(&self) -> impl Iterator<Item = (u64, u64)> {
+        let sum = |rank: usize| self.tables.iter().map(|table| table[rank]).sum();
+        let all = (0..self.tables[0].len()).map(move |rank| (rank as u64, sum(rank)));
+        all.filter(|(_, count)| *count > 0)
+    }
+}
+
 /// The least and greatest finite value, if any. Infinities are rare: only then is every sample asked again.
 pub(crate) fn finite_range<T: Sample>(
     view: &View<'_, T>,
@@ -197,6 +240,20 @@ mod tests {
         assert_eq!((found.first, found.width), (9.0, 2.0));
         assert_eq!(found.counts, [3, 0, 2, 1]);
         assert_eq!(found.middle(3), 15.0);
+    }
+
+    #[test]
+    fn samples_of_one_or_two_bytes_are_counted_as_those_of_four() {
+        let chance = (0..5000_u64).map(|n| n.wrapping_mul(6364136223846793005) >> 41);
+        let numbers: Vec<i32> = chance.map(|n| (n % 251) as i32 - 125).collect();
+        for scaling in [Scaling::IDENTITY, Scaling::new(-0.75, 30.0).unwrap()] {
+            for count in [1, 2, 3, 4, 5, 4999, 5000] {
+                let numbers = &numbers[..count];
+                let four = of(numbers.to_vec(), scaling);
+                assert!(of(numbers.iter().map(|&n| n as i16).collect(), scaling) == four);
+                assert!(of(numbers.iter().map(|&n| n as i8).collect(), scaling) == four);
+            }
+        }
     }
 
     #[test]
