@@ -20,9 +20,10 @@ pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;
 pub(crate) use render::{LodWord, RenderArgs};
 pub(crate) use values::{LevelArg, SampleType, Triple};
-pub(crate) use volume::VolumeArgs;
+pub(crate) use volume::{FileArgs, VolumeArgs};
 
 use clap::{Args, Parser, Subcommand};
+use isokit::field::Filter;
 use std::{num::NonZeroUsize, path::PathBuf};
 
 /// Turns scans and other volumes into meshes that are closed, oriented and in the right place.
@@ -97,6 +98,19 @@ Examples:
 
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; meshes become .glb .gltf .obj .ply .stl.")]
     Convert(ConvertArgs),
+    /// Write a volume with samples farther from each other, or nearer
+    ///
+    /// The first sample stays where it is, the last ones are no farther than the old ones. Where samples come
+    /// farther from each other the kernel is as much wider, so that nothing takes the place of what they
+    /// cannot hold.
+    #[command(after_help = "\
+Examples:
+  isokit resample scan.nii.gz --spacing 1 -o even.nii.gz
+  isokit resample stack.nrrd --spacing 0.2,0.2,0.5 --kernel lanczos3 -o fine.nrrd
+  isokit resample labels.nii.gz --spacing 2 --kernel nearest -o small.nii.gz
+
+Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw, of f32 (nearest: of the type they had; of i32, u32 and f64: f64).")]
+    Resample(ResampleArgs),
     /// Make a picture of surfaces, or of the values of a volume
     Render(Box<RenderArgs>),
     /// Print a script that completes isokit's commands and options in a shell
@@ -160,6 +174,30 @@ pub(crate) struct ConvertArgs {
     pub(crate) weld: WeldArgs,
     #[command(flatten)]
     pub(crate) volume: VolumeArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ResampleArgs {
+    /// The volume
+    pub(crate) file: PathBuf,
+    /// How far samples are to be from each other along x, y, z, or along all three, in the volume's unit
+    #[arg(long, value_name = "X[,Y,Z]", value_parser = values::spacing, allow_hyphen_values = true)]
+    pub(crate) spacing: Triple<f64>,
+    /// What lies between samples: nearest, linear, quadratic-bspline, cubic-bspline, catmull-rom, mitchell, bc:B,C,
+    /// or a sine over its distance in a window: lanczosN, hannN, blackmanN with N samples to each side, 2 to 8
+    #[arg(long, default_value = "cubic-bspline", value_name = "KERNEL", value_parser = values::filter)]
+    pub(crate) kernel: Filter,
+    /// Take a B-spline as it is: not through the samples, but smooth
+    #[arg(long)]
+    pub(crate) smoothing: bool,
+    /// The file to write; its extension decides the format
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Distances between samples along x, y, z, where the file gives none or wrong ones
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Input volume")]
+    pub(crate) input_spacing: Option<Triple<f64>>,
+    #[command(flatten)]
+    pub(crate) volume: FileArgs,
 }
 
 /// What is done about vertices that a file repeats.

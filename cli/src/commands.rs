@@ -8,6 +8,7 @@ pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;
 pub(crate) mod render;
+pub(crate) mod resample;
 mod slabs;
 pub(crate) mod suggest;
 

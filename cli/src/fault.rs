@@ -2,6 +2,7 @@
 
 use anyhow::Error;
 use isokit::{
+    field::ResampleError,
     io::{ReadError, ReadFault, WriteError, WriteFault},
     job::{OverLimit, Stopped, ThreadsError},
     marching_cubes::ExtractError,
@@ -127,6 +128,7 @@ fn of_pipeline(error: &PipelineError) -> Fault {
         PipelineError::Region(_) => {
             Fault::Caller("choose a part within the volume; `isokit info` shows its size and place")
         }
+        PipelineError::Resample(error) => of_resample(error),
         PipelineError::Iso { .. } => {
             Fault::File("give --iso a number; `isokit info` shows the range")
         }
@@ -155,6 +157,20 @@ fn of_scene(error: &SceneError) -> Fault {
         }
         SceneError::NoTransfer => Fault::Caller("give [transfer] points or a preset"),
         SceneError::NoValues => Fault::Caller("leave out cap, or show the volume of the mesh"),
+        _ => Fault::Ours("this should not happen; please report it"),
+    }
+}
+
+fn of_resample(error: &ResampleError) -> Fault {
+    match error {
+        ResampleError::Spacing { .. } => {
+            Fault::Caller("`isokit info` shows how far the volume's samples are from each other")
+        }
+        ResampleError::TooMany { .. } => Fault::Ours("choose a greater --spacing"),
+        ResampleError::NotFinite { .. } => Fault::File(
+            "with --kernel catmull-rom, or --smoothing, it is missed near that sample only",
+        ),
+        ResampleError::Stopped(stopped) => of_stopped(stopped),
         _ => Fault::Ours("this should not happen; please report it"),
     }
 }

@@ -6,6 +6,7 @@ mod extract;
 mod palette;
 mod places;
 mod render;
+mod resample;
 mod suggest;
 mod target;
 
@@ -13,6 +14,7 @@ pub(crate) use convert::{ConvertPlan, ConvertTo};
 pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
 pub(crate) use palette::color;
 pub(crate) use render::{FadePlan, LookPlan, ModelPlan, RenderPlan, Subject};
+pub(crate) use resample::ResamplePlan;
 pub(crate) use suggest::SuggestPlan;
 pub(crate) use target::{MeshTarget, Stream, TextTarget, is_png};
 

@@ -1,6 +1,7 @@
 //! Words with a shape of their own: three numbers, a sample type, an isovalue with name and colour.
 
 use isokit::{
+    field::{Filter, Window},
     geom::{HalfSpace, Unit},
     io::Endian,
     mesh::Rgba,
@@ -23,6 +24,50 @@ impl<T: FromStr> FromStr for Triple<T> {
         let kind = if type_name::<T>() == type_name::<u64>() { "whole numbers" } else { "numbers" };
         let triple = numbers.and_then(|numbers| numbers.try_into().ok()).map(Self);
         triple.ok_or_else(|| format!("expected three {kind} x,y,z, found {text:?}"))
+    }
+}
+
+/// One distance for all axes, or one for each.
+pub(crate) fn spacing(text: &str) -> Result<Triple<f64>, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.parse().ok()).collect();
+    let triple = match numbers.as_deref() {
+        Some(&[all]) => Some([all; 3]),
+        Some(&[x, y, z]) => Some([x, y, z]),
+        _ => None,
+    };
+    let sound = triple.filter(|all| all.iter().all(|one| *one > 0.0 && one.is_finite()));
+    sound
+        .map(Triple)
+        .ok_or_else(|| format!("expected one distance above 0, or three x,y,z, found {text:?}"))
+}
+
+/// A filter by its name in the field.
+pub(crate) fn filter(text: &str) -> Result<Filter, String> {
+    let refusal = || {
+        format!(
+            "expected nearest, linear, quadratic-bspline, cubic-bspline, catmull-rom, mitchell, bc:B,C, or lanczosN, \
+             hannN or blackmanN with N from 2 to 8, found {text:?}"
+        )
+    };
+    let windows =
+        [("lanczos", Window::Lanczos), ("hann", Window::Hann), ("blackman", Window::Blackman)];
+    let windowed = windows.into_iter().find_map(|(name, window)| {
+        let lobes = text.strip_prefix(name)?.parse().ok()?;
+        (2..=8).contains(&lobes).then_some(Filter::Sinc { window, lobes })
+    });
+    let family = text.strip_prefix("bc:").and_then(|numbers| {
+        let (b, c) = numbers.split_once(',')?;
+        let [b, c]: [f64; 2] = [b.parse().ok()?, c.parse().ok()?];
+        (b.is_finite() && c.is_finite()).then_some(Filter::Cubic { b, c })
+    });
+    match text {
+        "nearest" => Ok(Filter::Nearest),
+        "linear" => Ok(Filter::Linear),
+        "quadratic-bspline" => Ok(Filter::QuadraticBSpline),
+        "cubic-bspline" => Ok(Filter::CubicBSpline),
+        "catmull-rom" => Ok(Filter::CATMULL_ROM),
+        "mitchell" => Ok(Filter::MITCHELL),
+        _ => windowed.or(family).ok_or_else(refusal),
     }
 }
 
@@ -180,9 +225,17 @@ pub(crate) fn unit(text: &str) -> Result<Unit, String> {
 #[cfg(test)]
 mod tests {
     use super::{
-        LevelArg, SampleType, Triple, angle, count, distance, error, fov, levels, size, sizes, unit,
+        LevelArg, SampleType, Triple, angle, count, distance, error, filter, fov, levels, size,
+        sizes, spacing, unit,
     };
-    use isokit::{geom::Unit, io::Endian, mesh::Rgba, pipeline::IsoChoice, volume::Dtype};
+    use isokit::{
+        field::{Filter, Window},
+        geom::Unit,
+        io::Endian,
+        mesh::Rgba,
+        pipeline::IsoChoice,
+        volume::Dtype,
+    };
 
     fn level(text: &str) -> Result<LevelArg, String> {
         text.parse()
@@ -262,6 +315,23 @@ mod tests {
         assert_eq!(distance("0"), Ok(0.0));
         for text in ["-1", "nan", "inf", "x"] {
             assert!(distance(text).unwrap_err().ends_with(&format!("found {text:?}")));
+        }
+    }
+
+    #[test]
+    fn one_distance_is_for_all_axes_and_kernels_have_the_names_of_the_field() {
+        assert_eq!(
+            (spacing("0.5"), spacing("1,2,3")),
+            (Ok(Triple([0.5; 3])), Ok(Triple([1.0, 2.0, 3.0])))
+        );
+        for text in ["0", "-1", "1,2", "1,0,1", "nan", "inf", "x", ""] {
+            let refusal = format!("expected one distance above 0, or three x,y,z, found {text:?}");
+            assert_eq!(spacing(text), Err(refusal));
+        }
+        assert_eq!(filter("catmull-rom"), filter("bc:0,0.5"));
+        assert_eq!(filter("hann4"), Ok(Filter::Sinc { window: Window::Hann, lobes: 4 }));
+        for text in ["cubic", "lanczos", "lanczos1", "lanczos9", "bc:1", "bc:1,nan", ""] {
+            assert!(filter(text).unwrap_err().ends_with(&format!("found {text:?}")), "{text}");
         }
     }
 

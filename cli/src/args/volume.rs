@@ -8,6 +8,17 @@ use isokit::io::{RawLayout, VolumeOptions};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Input volume")]
 pub(crate) struct VolumeArgs {
+    /// Distances between samples along x, y, z, where the file gives none or wrong ones
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    spacing: Option<Triple<f64>>,
+    #[command(flatten)]
+    file: FileArgs,
+}
+
+/// The same but for the distances between samples.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Input volume")]
+pub(crate) struct FileArgs {
     /// Samples along x, y, z of a file without a header; x is fastest
     #[arg(long, value_name = "X,Y,Z", requires = "dtype", value_parser = values::sizes)]
     dims: Option<Triple<u64>>,
@@ -17,9 +28,6 @@ pub(crate) struct VolumeArgs {
     /// Bytes to skip before the first sample of a file without a header
     #[arg(long, value_name = "BYTES", requires = "dims")]
     skip: Option<u64>,
-    /// Distances between samples along x, y, z, where the file gives none or wrong ones
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    spacing: Option<Triple<f64>>,
     /// Place of the first sample, where the file gives none or a wrong one
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     origin: Option<Triple<f64>>,
@@ -31,13 +39,20 @@ pub(crate) struct VolumeArgs {
 impl VolumeArgs {
     /// Whether none was given.
     pub(crate) fn is_empty(&self) -> bool {
-        let Self { dims, dtype, skip, spacing, origin, volume_index } = self;
+        let FileArgs { dims, dtype, skip, origin, volume_index } = &self.file;
         let raw = dims.is_some() || dtype.is_some() || skip.is_some();
-        !raw && spacing.is_none() && origin.is_none() && volume_index.is_none()
+        !raw && self.spacing.is_none() && origin.is_none() && volume_index.is_none()
     }
 
     /// The same for the library.
     pub(crate) fn options(&self) -> VolumeOptions {
+        self.file.options(self.spacing)
+    }
+}
+
+impl FileArgs {
+    /// The same for the library, with distances between samples where the file gives none or wrong ones.
+    pub(crate) fn options(&self, spacing: Option<Triple<f64>>) -> VolumeOptions {
         let layout = |(dims, sample): (Triple<u64>, SampleType)| RawLayout {
             dims: dims.0,
             dtype: sample.dtype,
@@ -47,7 +62,7 @@ impl VolumeArgs {
         let mut options = VolumeOptions::default();
         options.volume_index = self.volume_index;
         options.raw = self.dims.zip(self.dtype).map(layout);
-        options.spacing = self.spacing.map(|spacing| spacing.0);
+        options.spacing = spacing.map(|spacing| spacing.0);
         options.origin = self.origin.map(|origin| origin.0);
         options
     }

@@ -112,6 +112,11 @@ pub(crate) fn is_png(path: &Path) -> bool {
     has_ending(path, ".png")
 }
 
+/// The refusal of a name that is not that of a volume.
+pub(super) fn no_volume(path: &Path) -> UsageError {
+    UsageError(unknown_ending(path, &VOLUMES))
+}
+
 /// The refusal of a name that is neither.
 pub(super) fn neither(path: &Path) -> UsageError {
     let meshes = MESHES.map(|(ending, _)| ending);

@@ -13,6 +13,7 @@ mod places;
 mod refine;
 mod render;
 mod report;
+mod resample;
 mod slabs;
 mod streams;
 mod suggest;

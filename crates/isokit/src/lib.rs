@@ -33,6 +33,7 @@
 //! | know what is read and written, in which axes and units | [`guide::formats`], [`io`] |
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
 //! | know which isovalues are worth a look, and why | [`pipeline::Scan::suggestions`], [`spectrum`] |
+//! | have samples farther from each other or nearer | [`pipeline::Scan::resampled`], [`field::resample`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
 //! | make pictures of surfaces and of values | [`scene`], [`render`](mod@render) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
+//! | resample | [`Scan::resampled`] has samples farther from each other, or nearer |
 //! | choose | [`Scan::suggestions`] says which isovalues stand out; [`Scan::iso`] turns "automatic" or a percentage into one |
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
@@ -21,6 +22,7 @@ mod iso;
 mod refine;
 mod region;
 mod remark;
+mod resampled;
 mod scan;
 mod slab_scan;
 mod surface;

@@ -1,6 +1,7 @@
 //! Why there is no mesh, step by step. An empty mesh is a result, not an error.
 
 use crate::pipeline::{IsoChoice, RegionError, UnknownSpace};
+use isokit_field::ResampleError;
 use isokit_io::{ReadError, WriteError};
 use isokit_job::{Cancelled, OverLimit, Stopped};
 use isokit_marching_cubes::ExtractError;
@@ -27,6 +28,9 @@ pub enum PipelineError {
         /// Why it was not.
         reason: &'static str,
     },
+    /// There are no such samples.
+    #[error(transparent)]
+    Resample(#[from] ResampleError),
     /// There is no surface; places are sample numbers of the whole volume.
     #[error(transparent)]
     Extract(#[from] ExtractError),

@@ -129,14 +129,16 @@ impl Scan {
         while halvings != [0; 3] {
             let axes = halvings.map(|left| left > 0);
             halvings = halvings.map(|left| left.saturating_sub(1));
-            let next = match &coarse {
+            coarse = Some(match &coarse {
                 None => for_any!(&self.volume, volume => halved(&self.view(volume), axes, job))?,
                 Some(coarse) => for_any!(coarse, volume => halved(&volume.view(), axes, job))?,
-            };
-            coarse = Some(next);
+            });
         }
-        let (format, notes) = (self.format, self.notes.clone());
-        Ok(coarse.map(|volume| Self { format, notes, ..Self::new(volume) }))
+        Ok(coarse.map(|volume| self.with_samples(volume)))
+    }
+
+    pub(super) fn with_samples(&self, volume: AnyVolume) -> Self {
+        Self { format: self.format, notes: self.notes.clone(), ..Self::new(volume) }
     }
 
     /// The whole volume, of which a part may be looked at.
