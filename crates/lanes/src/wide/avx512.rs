@@ -1,9 +1,11 @@
 //! Sixteen numbers in one AVX-512 register, or in two.
 
+mod gather;
 mod registers;
 
-use super::{BATCH, Exact, Wide};
+use super::{BATCH, Exact, Wide, three_along_x};
 use crate::{Lane, Samples};
+use gather::{exact, gather, gather_f64, rows, without, words_of_two};
 use registers::{F32, F64, U32};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -200,54 +202,112 @@ impl Wide for Avx512 {
         at: U32,
     ) -> <T::Exact as Exact>::Of<Self> {
         let base = samples.all().as_ptr().wrapping_offset(from as isize);
-        /// The samples by the expression for their type, in the type that holds them exactly.
-        macro_rules! by_type {
-            ($($t:ty, |$base:ident| $load:expr;)*) => {
-                $(if TypeId::of::<T>() == TypeId::of::<$t>() {
-                    // SAFETY: there is a token. `base` points to samples of the type compared with, and
-                    // the four bytes from each number on lie in the slice, as `Samples::is_near` says,
-                    // or for f64 the whole sample, as the caller promises. What `$load` gives is
-                    // sixteen of the exact type of `$t`, which is `T`.
-                    return unsafe {
-                        let $base = base.cast::<$t>();
-                        transmute_copy(&$load)
-                    };
-                })*
-            };
+        if TypeId::of::<T>() == TypeId::of::<f64>() {
+            // SAFETY: samples are f64, and the caller says that they are there. What comes out is sixteen
+            // of the exact type of f64, which is `T`.
+            return unsafe { transmute_copy(&gather_f64(self, base.cast(), at)) };
         }
-        let [low, high] = halves(self, at.0);
-        let at = at.0;
-        by_type! {
-            f32, |base| F32(_mm512_i32gather_ps::<4>(at, base));
-            u8, |base| {
-                let found = _mm512_i32gather_epi32::<1>(at, base.cast());
-                F32(_mm512_cvtepi32_ps(_mm512_and_si512(found, _mm512_set1_epi32(0xFF))))
-            };
-            i8, |base| {
-                let found = _mm512_i32gather_epi32::<1>(at, base.cast());
-                F32(_mm512_cvtepi32_ps(_mm512_srai_epi32::<24>(_mm512_slli_epi32::<24>(found))))
-            };
-            u16, |base| {
-                let found = _mm512_i32gather_epi32::<2>(at, base.cast());
-                F32(_mm512_cvtepi32_ps(_mm512_and_si512(found, _mm512_set1_epi32(0xFFFF))))
-            };
-            i16, |base| {
-                let found = _mm512_i32gather_epi32::<2>(at, base.cast());
-                F32(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(found))))
-            };
-            u32, |base| {
-                let found = _mm512_i32gather_epi32::<4>(at, base.cast());
-                self.u32_to_f64(U32(found))
-            };
-            i32, |base| {
-                let [low, high] = halves(self, _mm512_i32gather_epi32::<4>(at, base));
-                F64(_mm512_cvtepi32_pd(low), _mm512_cvtepi32_pd(high))
-            };
-            f64, |base| {
-                F64(_mm512_i32gather_pd::<8>(low, base), _mm512_i32gather_pd::<8>(high, base))
-            };
+        // SAFETY: the four bytes from each number on lie in the slice, as `Samples::is_near` says.
+        exact::<T>(self, unsafe { gather(self, base, at) })
+    }
+
+    #[inline(always)]
+    unsafe fn along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 3] {
+        let [x, y, _] = samples.strides();
+        if size_of::<T>() > 4 || x != 1 || y.abs() < 2 {
+            // SAFETY: the caller says so.
+            return unsafe { three_along_x(self, samples, from, at) };
         }
-        unreachable!("no other type is a lane")
+        let below = samples.all().as_ptr().wrapping_offset(from as isize - 1);
+        // SAFETY: from the sample below on four lie in the slice: the last is no farther off than a neighbour
+        // along y, which is there.
+        let [below, own, above] = unsafe {
+            match size_of::<T>() {
+                1 => {
+                    let all = gather(self, below, at);
+                    [all, without::<8>(self, all), without::<16>(self, all)]
+                }
+                2 => {
+                    let first = gather(self, below, at);
+                    let above = gather(self, below.wrapping_add(2), at);
+                    [first, without::<16>(self, first), above]
+                }
+                _ => {
+                    let [first, own] = words_of_two(self, below, at);
+                    [first, own, gather(self, below.wrapping_add(2), at)]
+                }
+            }
+        };
+        [exact::<T>(self, below), exact::<T>(self, own), exact::<T>(self, above)]
+    }
+
+    #[inline(always)]
+    unsafe fn two_along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 2] {
+        let x = samples.strides()[0];
+        if size_of::<T>() > 4 || x != 1 {
+            // SAFETY: the caller says so.
+            return unsafe { [self.near(samples, from, at), self.near(samples, from + x, at)] };
+        }
+        let base = samples.all().as_ptr().wrapping_offset(from as isize);
+        // SAFETY: the caller says that both samples are there, and four bytes from the first.
+        let [own, above] = unsafe {
+            match size_of::<T>() {
+                1 => {
+                    let both = gather(self, base, at);
+                    [both, without::<8>(self, both)]
+                }
+                2 => {
+                    let both = gather(self, base, at);
+                    [both, without::<16>(self, both)]
+                }
+                _ => words_of_two(self, base, at),
+            }
+        };
+        [exact::<T>(self, own), exact::<T>(self, above)]
+    }
+
+    #[inline(always)]
+    unsafe fn four_along_x<T: Lane>(
+        self,
+        samples: &Samples<'_, T>,
+        from: i64,
+        at: U32,
+    ) -> [<T::Exact as Exact>::Of<Self>; 4] {
+        let x = samples.strides()[0];
+        if size_of::<T>() == 1 && x == 1 {
+            let base = samples.all().as_ptr().wrapping_offset(from as isize);
+            // SAFETY: the caller says that all four samples are there.
+            let all = unsafe { gather(self, base, at) };
+            let [b, c, d] =
+                [without::<8>(self, all), without::<16>(self, all), without::<24>(self, all)];
+            return [
+                exact::<T>(self, all),
+                exact::<T>(self, b),
+                exact::<T>(self, c),
+                exact::<T>(self, d),
+            ];
+        }
+        // SAFETY: the caller says so.
+        unsafe {
+            let [a, b] = self.two_along_x(samples, from, at);
+            let [c, d] = self.two_along_x(samples, from + 2 * x, at);
+            [a, b, c, d]
+        }
+    }
+
+    #[inline(always)]
+    fn rows(self, all: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
+        rows(self, all, at)
     }
 
     #[inline(always)]
