@@ -1,6 +1,8 @@
 //! What a function of space can be asked.
 
-use isokit_geom::Affine;
+use crate::Interval;
+use isokit_geom::{Aabb, Affine};
+use std::ops::Range;
 
 /// Value and gradient at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,4 +61,32 @@ pub trait ScalarField: Sync {
 
     /// The value, its gradient and its Hessian.
     fn jet(&self, ijk: [f64; 3]) -> Jet;
+
+    /// No value in a box of index space is outside of these bounds, which may be wider than need be. Default: nothing is
+    /// known.
+    fn bounds(&self, _ijk: Aabb) -> Interval {
+        Interval::EVERYTHING
+    }
+
+    /// The same field for whoever asks within a box of index space only, where that is cheaper to ask: all answers there are
+    /// the same, to the bit. Default: there is none that is cheaper.
+    fn within(&self, _ijk: Aabb) -> Option<Box<dyn ScalarField + '_>> {
+        None
+    }
+
+    /// The values at the lattice points of a box, x fastest: to the bit what [`value`](Self::value) says of each.
+    ///
+    /// # Panics
+    ///
+    /// If `values` has another length than there are points.
+    fn fill(&self, points: [Range<usize>; 3], values: &mut [f64]) {
+        let [x, y, z] = points;
+        assert_eq!(values.len(), x.len() * y.len() * z.len(), "one value for each point");
+        let rows = z.flat_map(|k| y.clone().map(move |j| [j, k]));
+        for (row, [j, k]) in values.chunks_exact_mut(x.len().max(1)).zip(rows) {
+            for (value, i) in row.iter_mut().zip(x.clone()) {
+                *value = self.value([i, j, k].map(|c| c as f64));
+            }
+        }
+    }
 }

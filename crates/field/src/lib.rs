@@ -6,11 +6,13 @@
 
 mod field;
 mod filter;
+mod interval;
 mod kernel;
 mod resample;
 mod sampled;
 
 pub use field::{Jet, ScalarField, Slope};
 pub use filter::{Filter, SeparableKernel, Spline, Window};
+pub use interval::Interval;
 pub use resample::{ResampleError, resample, resample_nearest};
 pub use sampled::Sampled;

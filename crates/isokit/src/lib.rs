@@ -61,6 +61,7 @@ pub use isokit_marching_cubes as marching_cubes;
 pub use isokit_mesh as mesh;
 pub use isokit_refine as refine;
 pub use isokit_render as render;
+pub use isokit_solid as solid;
 pub use isokit_spectrum as spectrum;
 pub use isokit_volume as volume;
 pub use isokit_volume::{for_any, for_dtype};

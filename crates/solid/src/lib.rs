@@ -1,0 +1,1 @@
+//! Solids as fields: shapes that are put together from others, and meshes.
