@@ -12,6 +12,7 @@
 
 use crate::{Level, euler::Bits};
 
+mod side_by_side;
 #[cfg(target_arch = "x86_64")]
 mod wide;
 
@@ -120,20 +121,29 @@ impl Rows<'_> {
         let slices = [low.0, slice];
         self.check(slices);
         let sums = at_level!(level, in_layer in_layer_avx2 in_layer_avx512, (self, slices));
+        Self::layer(low.1, sums)
+    }
+
+    /// What a slice adds, by what is in it and between it and the one below, which added that.
+    fn layer(low: Layer, sums: (InSlice, InCells)) -> Layer {
         // Of these `along_y + along_z` and `pairs − faces` are right at any level, and those four as they are named
         // at some.
         let (high, InCells { along_z, pairs, pairs_of_ends, faces, holes }) = sums;
         let Layer { vertices, share, .. } = high.layer();
-        let shares = low.1.share + share + 2 * pairs - pairs_of_ends;
+        let shares = low.share + share + 2 * pairs - pairs_of_ends;
         let triangles = shares - 2 * faces - 4 * holes;
         Layer { vertices: vertices + along_z, triangles, share }
     }
 
     fn check<const N: usize>(&self, slices: [&[u64]; N]) {
+        self.check_sizes(slices.map(<[u64]>::len));
+    }
+
+    fn check_sizes<const N: usize>(&self, slices: [usize; N]) {
         let Self { words, cells } = *self;
         assert!(words > 0 && !cells.is_empty(), "a slice has rows");
         assert!(cells.len().is_multiple_of(words), "all rows have as many words");
-        slices.iter().for_each(|slice| assert_eq!(slice.len(), cells.len() + 1, "one word more"));
+        slices.iter().for_each(|slice| assert_eq!(*slice, cells.len() + 1, "one word more"));
     }
 }
 

@@ -5,7 +5,9 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_job::{Job, Threads};
-use isokit_marching_cubes::{Boundary, ExtractOptions, Placement, Topology, count, extract_into};
+use isokit_marching_cubes::{
+    Boundary, ExtractOptions, Placement, Topology, count, count_many, extract_into,
+};
 use isokit_mesh::TriMesh;
 use isokit_volume::{Grid, Volume};
 use std::{f64::consts::PI, hint::black_box, num::NonZeroUsize};
@@ -50,6 +52,10 @@ fn passes(criterion: &mut Criterion) {
             group.throughput(Throughput::Elements((n * n * n) as u64));
             group.bench_function(BenchmarkId::new("count", n), |bencher| {
                 bencher.iter(|| count(black_box(&view), 0.0, &options, &job));
+            });
+            let isos: Vec<f64> = (-4..4).map(|k| 0.2 * f64::from(k)).collect();
+            group.bench_function(BenchmarkId::new("count of 8", n), |bencher| {
+                bencher.iter(|| count_many(black_box(&view), &isos, &options, &job));
             });
             for (with, empty) in
                 [("normals", TriMesh::with_normals()), ("no normals", TriMesh::default())]

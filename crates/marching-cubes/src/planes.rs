@@ -83,9 +83,17 @@ const PIECE_WORDS: usize = 64;
 /// Moves the bits of a row of samples behind a guard.
 #[inline(always)]
 pub(crate) fn behind_guard(row: &mut [u64]) {
-    let mut carry = 0;
-    for word in row {
-        (carry, *word) = (*word >> 63, *word << 1 | carry);
+    behind_guards::<1>(row.as_chunks_mut().0);
+}
+
+/// The same of planes whose words lie side by side.
+#[inline(always)]
+pub(crate) fn behind_guards<const PLANES: usize>(row: &mut [[u64; PLANES]]) {
+    let mut carries = [0; PLANES];
+    for words in row {
+        for (carry, word) in carries.iter_mut().zip(words) {
+            (*carry, *word) = (*word >> 63, *word << 1 | *carry);
+        }
     }
 }
 

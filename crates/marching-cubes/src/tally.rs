@@ -1,5 +1,5 @@
 //! How much surfaces have, where nobody wants them: slices are classified for all isovalues and counted while
-//! they are in the cache. No plane is kept.
+//! they are in the cache. No plane is kept. Where the machine counts eight planes side by side, they are.
 
 use crate::planes::{Lattice, Signs};
 use isokit_job::{Job, Stopped};
@@ -12,9 +12,14 @@ use std::{mem, ops::Range};
 /// Tasks per thread: few, for each looks at one slice that another looks at too.
 const TASKS: usize = 4;
 
+/// So many planes and more are counted side by side, in groups of eight: of fewer most of a group would be empty.
+const SIDE_BY_SIDE: usize = 4;
+
 /// What there is to count.
 pub(crate) struct Tally<'a, T> {
     signs: Signs<'a, T>,
+    /// The thresholds of planes that lie side by side; none where planes are apart.
+    groups: Vec<Thresholds<T>>,
     /// For every word of a slice, which of its points begin a cell along x.
     cells: Vec<u64>,
 }
@@ -65,8 +70,10 @@ impl<'a, T: Sample> Tally<'a, T> {
             let mut cells = job.limits.zeroed("cells of a slice", slice_words(lattice))?;
             let row = (0..lattice.words).map(|w| lattice.cells(w)).cycle();
             cells.iter_mut().zip(row).for_each(|(word, cells)| *word = cells);
+            let is_abreast = Rows::are_side_by_side() && thresholds.count() >= SIDE_BY_SIDE;
+            let groups = if is_abreast { thresholds.groups(8).collect() } else { vec![] };
             let signs = Signs { view, lattice, thresholds, stops_at_nan };
-            let tally = Self { signs, cells };
+            let tally = Self { signs, groups, cells };
             let all = tally.all(job)?;
             if all.has_nan {
                 return Ok(None);
@@ -101,45 +108,102 @@ impl<'a, T: Sample> Tally<'a, T> {
 
     /// What the slices above these add, each to those below it; and with the first of all what that is by itself.
     fn some(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
-        let (planes, nz) = (self.signs.thresholds.count(), self.signs.lattice.points[2]);
+        if self.groups.is_empty() { self.apart(slices, job) } else { self.abreast(slices, job) }
+    }
+
+    /// With planes one after another.
+    fn apart(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
         let rows = Rows { words: self.signs.lattice.words, cells: &self.cells };
         // A slice ends with the one word more that the loops may look at.
-        let stride = self.cells.len() + 1;
+        let (stride, planes) = (self.cells.len() + 1, self.signs.thresholds.count());
         let size = (stride as u64).checked_mul(planes as u64);
         let zeroed = || job.limits.zeroed("bits of a slice", size);
-        let (mut low, mut high) = (zeroed()?, zeroed()?);
-        let (mut found, mut scratch) = (Found::default(), vec![]);
-        found.counts.resize(planes, Whole::default());
-        self.classify(slices.start, &mut high, &mut found, &mut scratch);
-        let mut layers: Vec<_> = high.chunks_exact(stride).map(|bits| rows.lowest(bits)).collect();
+        let bits: [Vec<u64>; 2] = [zeroed()?, zeroed()?];
+        let mut scratch = vec![];
+        let classify = |k: Option<usize>, bits: &mut Vec<u64>| match k {
+            Some(k) => self.signs.classify(k, (bits, stride), &mut scratch),
+            None => {
+                bits.fill(0);
+                true
+            }
+        };
+        let layers = |low: Option<&Vec<u64>>, high: &Vec<u64>, layers: &mut [Layer]| {
+            for (k, layer) in layers.iter_mut().enumerate() {
+                let plane = k * stride..(k + 1) * stride;
+                *layer = match low {
+                    Some(low) => rows.above((&low[plane.clone()], *layer), &high[plane]),
+                    None => rows.lowest(&high[plane]),
+                };
+            }
+        };
+        self.walk((slices, planes), bits, classify, layers, job)
+    }
+
+    /// With eight planes side by side.
+    fn abreast(&self, slices: Range<usize>, job: &Job) -> Result<Found, Stopped> {
+        let rows = Rows { words: self.signs.lattice.words, cells: &self.cells };
+        let (stride, groups) = (self.cells.len(), self.groups.len());
+        let size = (stride as u64).checked_mul(groups as u64);
+        let zeroed = || job.limits.zeroed("bits of a slice", size);
+        let bits: [Vec<[u64; 8]>; 2] = [zeroed()?, zeroed()?];
+        let mut scratch = vec![];
+        let classify = |k: Option<usize>, bits: &mut Vec<[u64; 8]>| {
+            let Some(k) = k else {
+                bits.fill([0; 8]);
+                return true;
+            };
+            let mut of_groups = self.groups.iter().zip(bits.chunks_exact_mut(stride));
+            of_groups.all(|(group, bits)| self.signs.classify_abreast(k, group, bits, &mut scratch))
+        };
+        let layers = |low: Option<&Vec<[u64; 8]>>, high: &Vec<[u64; 8]>, layers: &mut [Layer]| {
+            let (layers, _) = layers.as_chunks_mut::<8>();
+            for (n, layers) in layers.iter_mut().enumerate() {
+                let group = n * stride..(n + 1) * stride;
+                *layers = match low {
+                    Some(low) => rows.above_of_eight((&low[group.clone()], layers), &high[group]),
+                    None => rows.lowest_of_eight(&high[group]),
+                };
+            }
+        };
+        let mut found = self.walk((slices, 8 * groups), bits, classify, layers, job)?;
+        found.counts.truncate(self.signs.thresholds.count());
+        Ok(found)
+    }
+
+    /// Goes through slices, of which two are kept: `classify` makes the bits of a slice of samples, or of one without, and
+    /// says whether it has no NaN that matters; `layers` says what it adds, which is given for the slice below if there is
+    /// one.
+    fn walk<B>(
+        &self,
+        (slices, planes): (Range<usize>, usize),
+        [mut low, mut high]: [B; 2],
+        mut classify: impl FnMut(Option<usize>, &mut B) -> bool,
+        layers: impl Fn(Option<&B>, &B, &mut [Layer]),
+        job: &Job,
+    ) -> Result<Found, Stopped> {
+        let Lattice { points: [_, _, nz], guard, .. } = self.signs.lattice;
+        let of_samples = |z: usize| (guard..nz - guard).contains(&z).then(|| z - guard);
+        let mut found = Found { counts: vec![Whole::default(); planes], has_nan: false };
+        let mut added = vec![Layer::default(); planes];
+        let add = |found: &mut Found, added: &[Layer]| {
+            found.counts.iter_mut().zip(added).for_each(|(whole, &layer)| whole.add(layer.into()));
+        };
+        found.has_nan |= !classify(of_samples(slices.start), &mut high);
+        layers(None, &high, &mut added);
         if slices.start == 0 {
-            let of_planes = found.counts.iter_mut().zip(&layers);
-            of_planes.for_each(|(whole, &layer)| whole.add(layer.into()));
+            add(&mut found, &added);
         }
         for z in slices {
             job.check()?;
             if z + 1 < nz {
                 mem::swap(&mut low, &mut high);
-                self.classify(z + 1, &mut high, &mut found, &mut scratch);
-                for (k, (whole, layer)) in found.counts.iter_mut().zip(&mut layers).enumerate() {
-                    let plane = k * stride..(k + 1) * stride;
-                    *layer = rows.above((&low[plane.clone()], *layer), &high[plane]);
-                    whole.add((*layer).into());
-                }
+                found.has_nan |= !classify(of_samples(z + 1), &mut high);
+                layers(Some(&low), &high, &mut added);
+                add(&mut found, &added);
             }
             job.progress.advance(1);
         }
         Ok(found)
-    }
-
-    /// The bits of slice `z` of the lattice for every threshold, one after another.
-    fn classify(&self, z: usize, bits: &mut [u64], found: &mut Found, scratch: &mut Vec<T>) {
-        let Lattice { points: [_, _, nz], guard, .. } = self.signs.lattice;
-        if z < guard || z >= nz - guard {
-            return bits.fill(0);
-        }
-        let of_planes = (bits, self.cells.len() + 1);
-        found.has_nan |= !self.signs.classify(z - guard, of_planes, scratch);
     }
 }
 

@@ -27,7 +27,7 @@ macro_rules! kernels {
     (@row $name:ident, $t:ident, $lanes:literal, $cast:expr, $splat:expr, $bits:expr, $holds:expr) => {
         #[target_feature(enable = "avx2")]
         pub(in super::super) fn $name(rows: &[[$t; WORD]], bounds: &[$t], out: Strided<'_>) {
-            let Strided { out, stride } = out;
+            let Strided { out, stride, step } = out;
             for (w, samples) in rows.iter().enumerate() {
                 prefetch_ahead::<AHEAD, _>(samples);
                 let mut parts = [_mm256_setzero_si256(); WORD / $lanes];
@@ -39,7 +39,7 @@ macro_rules! kernels {
                     for held in &mut held {
                         *held = $holds($cast(*held), bound);
                     }
-                    out[k * stride + w] = $bits(held);
+                    out[k * stride + w * step] = $bits(held);
                 }
             }
         }

@@ -20,7 +20,7 @@ macro_rules! kernels {
     (@row $name:ident, $t:ident, $lanes:literal, $mask:ident, $load:expr, $splat:expr, $compare:expr) => {
         #[target_feature(enable = "avx512f,avx512bw")]
         pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: Strided<'_>) {
-            let Strided { out, stride } = out;
+            let Strided { out, stride, step } = out;
             for (w, samples) in rows.iter().enumerate() {
                 prefetch_ahead::<AHEAD, _>(samples);
                 let (parts, _) = samples.as_chunks::<$lanes>();
@@ -29,7 +29,7 @@ macro_rules! kernels {
                     std::array::from_fn(|n| unsafe { $load(parts[n].as_ptr().cast()) });
                 for (k, &bound) in bounds.iter().enumerate() {
                     let bound = $splat(bound);
-                    let bits = &raw mut out[k * stride + w];
+                    let bits = &raw mut out[k * stride + w * step];
                     for (n, part) in parts.into_iter().enumerate() {
                         // SAFETY: the masks of all parts fill the word.
                         unsafe { bits.cast::<$mask>().add(n).write($compare(part, bound)) };

@@ -15,7 +15,7 @@ fn is_nan<T: Lane>(sample: T) -> bool {
 /// If `out` has not [`words`]`(row.len())` words.
 pub fn nans<T: Lane>(row: &[T], out: &mut [u64]) {
     assert_eq!(out.len(), words(row.len()), "one bit per sample");
-    by_words(row, 1, Strided { out, stride: 0 }, |whole, Strided { out, .. }| {
+    by_words(row, 1, Strided { out, stride: 0, step: 1 }, |whole, Strided { out, .. }| {
         for (word, samples) in out.iter_mut().zip(whole) {
             *word = pack(samples, is_nan);
         }

@@ -32,7 +32,7 @@ fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
                 let alone = Thresholds::new(&[threshold]).unwrap();
                 for &level in Level::available() {
                     found.fill(u64::MAX);
-                    many_at(level, row, &alone, Strided { out: &mut found, stride: 0 });
+                    many_at(level, row, &alone, Strided { out: &mut found, stride: 0, step: 1 });
                     assert_eq!(found, expected, "{level}, {length} samples, {threshold:?}");
                 }
             }
@@ -58,13 +58,21 @@ fn check_many<T: Lane + Debug>(row: &[T], bounds: &[T]) {
             for &level in Level::available() {
                 let (own, stride) = (words(row.len()), words(row.len()) + count);
                 let mut out = vec![u64::MAX; stride * count];
-                many_at(level, row, &all, Strided { out: &mut out, stride });
+                many_at(level, row, &all, Strided { out: &mut out, stride, step: 1 });
                 for (k, &threshold) in each.iter().enumerate() {
                     let expected = by_definition(row, |sample| threshold.is_inside(sample));
                     let (found, between) = out[k * stride..][..stride].split_at(own);
                     assert!(between.iter().all(|&word| word == u64::MAX));
                     assert_eq!(found, expected, "{level}, {threshold:?} of {count}");
                 }
+                let mut beside = vec![[u64::MAX; 8]; own];
+                let places = beside.as_flattened_mut();
+                many_at(level, row, &all, Strided { out: places, stride: 1, step: 8 });
+                for (k, plane) in out.chunks_exact(stride).enumerate() {
+                    assert!(beside.iter().map(|words| words[k]).eq(plane[..own].iter().copied()));
+                }
+                let rest = beside.iter().flat_map(|words| &words[count..]);
+                assert!(rest.into_iter().all(|&word| word == u64::MAX), "{level}");
             }
         }
     }

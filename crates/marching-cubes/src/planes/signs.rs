@@ -1,8 +1,9 @@
 //! From a slice of samples to bits, for those who go through a volume slice by slice.
 
-use super::{Lattice, PIECE_WORDS, behind_guard};
-use isokit_lanes::{Thresholds, has_nan, signs_of_many, words};
+use super::{Lattice, PIECE_WORDS, behind_guard, behind_guards};
+use isokit_lanes::{Thresholds, has_nan, signs_of_many, signs_side_by_side, words};
 use isokit_volume::{Sample, View};
+use std::ops::Range;
 
 /// What slices are classified by.
 pub(crate) struct Signs<'a, T> {
@@ -21,31 +22,61 @@ impl<T: Sample> Signs<'_, T> {
         (bits, stride): (&mut [u64], usize),
         scratch: &mut Vec<T>,
     ) -> bool {
-        let Self { view, lattice, thresholds, .. } = self;
+        self.each_row(k, scratch, |row, own, is_guarded| {
+            let bits = &mut bits[own.start..];
+            signs_of_many(row, &self.thresholds, bits, stride);
+            if is_guarded {
+                for plane in bits.chunks_mut(stride) {
+                    plane[words(row.len())..own.len()].fill(0);
+                    behind_guard(&mut plane[..own.len()]);
+                }
+            }
+        })
+    }
+
+    /// The same for eight of the thresholds or fewer, whose planes lie side by side.
+    pub(crate) fn classify_abreast(
+        &self,
+        k: usize,
+        thresholds: &Thresholds<T>,
+        bits: &mut [[u64; 8]],
+        scratch: &mut Vec<T>,
+    ) -> bool {
+        self.each_row(k, scratch, |row, own, is_guarded| {
+            let bits = &mut bits[own];
+            signs_side_by_side(row, thresholds, bits);
+            if is_guarded {
+                bits[words(row.len())..].fill([0; 8]);
+                behind_guards(bits);
+            }
+        })
+    }
+
+    /// Hands the rows of a slice over, or pieces of it as if they were rows, with the words that their bits go to, and
+    /// whether that is behind a guard. False, and not all of them, if a sample is NaN and that matters.
+    fn each_row(
+        &self,
+        k: usize,
+        scratch: &mut Vec<T>,
+        mut take: impl FnMut(&[T], Range<usize>, bool),
+    ) -> bool {
+        let Self { view, lattice, .. } = self;
         let matters = |row: &[T]| self.stops_at_nan && has_nan(row);
         if let Some(pieces) = lattice.as_one_row(view, k) {
             for (n, piece) in pieces.enumerate() {
-                signs_of_many(piece, thresholds, &mut bits[n * PIECE_WORDS..], stride);
+                let first = n * PIECE_WORDS;
+                take(piece, first..first + words(piece.len()), false);
                 if matters(piece) {
                     return false;
                 }
             }
             return true;
         }
-        let [nx, ny, _] = view.dims();
-        for j in 0..ny {
+        for j in 0..view.dims()[1] {
             let row = view.row(j, k).gather(scratch);
-            let own = lattice.row_of_samples(j);
-            let (per_row, bits) = (own.len(), &mut bits[own.start..]);
-            signs_of_many(row, thresholds, bits, stride);
+            take(row, lattice.row_of_samples(j), lattice.guard > 0);
             if matters(row) {
                 return false;
-            }
-            if lattice.guard > 0 {
-                for plane in bits.chunks_mut(stride) {
-                    plane[words(nx)..per_row].fill(0);
-                    behind_guard(&mut plane[..per_row]);
-                }
             }
         }
         true
