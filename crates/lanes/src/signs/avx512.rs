@@ -21,18 +21,22 @@ macro_rules! kernels {
         #[target_feature(enable = "avx512f,avx512bw")]
         pub(in super::super) fn $name(rows: &[[$t; 64]], bounds: &[$t], out: Strided<'_>) {
             let Strided { out, stride, step } = out;
+            let last = bounds.len().saturating_sub(1) * stride;
             for (w, samples) in rows.iter().enumerate() {
                 prefetch_ahead::<AHEAD, _>(samples);
+                let words = out[w * step..=w * step + last].as_mut_ptr();
                 let (parts, _) = samples.as_chunks::<$lanes>();
                 // SAFETY: each part is one register's worth of samples; the load needs no alignment.
                 let parts: [_; 64 / $lanes] =
                     std::array::from_fn(|n| unsafe { $load(parts[n].as_ptr().cast()) });
                 for (k, &bound) in bounds.iter().enumerate() {
                     let bound = $splat(bound);
-                    let bits = &raw mut out[k * stride + w * step];
                     for (n, part) in parts.into_iter().enumerate() {
-                        // SAFETY: the masks of all parts fill the word.
-                        unsafe { bits.cast::<$mask>().add(n).write($compare(part, bound)) };
+                        // SAFETY: the word of the last bound is among those that were asked for, and the masks of all
+                        // parts fill it.
+                        let mask = unsafe { words.add(k * stride).cast::<$mask>().add(n) };
+                        // SAFETY: as above; `out` is borrowed, and nobody else writes there.
+                        unsafe { mask.write($compare(part, bound)) };
                     }
                 }
             }

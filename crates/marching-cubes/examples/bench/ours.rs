@@ -8,7 +8,7 @@ use crate::{
     },
 };
 use isokit_job::{Job, Threads};
-use isokit_lanes::{Level, Thresholds, signs_of_many, words};
+use isokit_lanes::{Level, Thresholds, WORD, signs_of_many, words};
 use isokit_marching_cubes::{
     self as mc, ExtractOptions, Skipped, Source, count_many, extract_many,
 };
@@ -112,8 +112,10 @@ impl<T: Sample> Isokit<T> {
         let (samples, bits) = (self.volume.samples(), &mut self.bits);
         let slices = bits.par_chunks_mut(per_row * ny).zip(samples.par_chunks(nx * ny));
         let classify = |(bits, slice): (&mut [u64], &[T])| {
-            let rows = slice.chunks_exact(nx).zip(bits.chunks_exact_mut(per_row));
-            rows.for_each(|(row, bits)| signs_of_many(row, &threshold, bits, per_row));
+            // As an extraction does it: rows that fill their words are one long row, in pieces.
+            let (long, words) = if nx % WORD == 0 { (64 * WORD, 64) } else { (nx, per_row) };
+            let rows = slice.chunks(long).zip(bits.chunks_mut(words));
+            rows.for_each(|(row, bits)| signs_of_many(row, &threshold, bits, words));
         };
         let (answer, ()) = timed(|| job.threads.run(|| slices.for_each(classify)));
         Ok(self.with_input(answer))
