@@ -1,5 +1,6 @@
 //! The program from words to bytes: every command on small volumes, written here.
 
+mod attribute;
 mod check;
 mod convert;
 mod extract;
@@ -17,3 +18,4 @@ mod resample;
 mod slabs;
 mod streams;
 mod suggest;
+mod vectors;
