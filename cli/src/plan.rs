@@ -8,6 +8,7 @@ mod palette;
 mod places;
 mod render;
 mod resample;
+mod sample;
 mod suggest;
 mod target;
 
@@ -17,6 +18,7 @@ pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
 pub(crate) use palette::color;
 pub(crate) use render::{FadePlan, LookPlan, ModelPlan, RenderPlan, Subject};
 pub(crate) use resample::ResamplePlan;
+pub(crate) use sample::SamplePlan;
 pub(crate) use suggest::SuggestPlan;
 pub(crate) use target::{MeshTarget, Stream, TextTarget, is_png};
 
