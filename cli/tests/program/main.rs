@@ -15,6 +15,7 @@ mod refine;
 mod render;
 mod report;
 mod resample;
+mod sample;
 mod slabs;
 mod streams;
 mod suggest;
