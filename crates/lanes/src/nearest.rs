@@ -101,8 +101,8 @@ impl Task for Find<'_, '_> {
     fn run<W: Wide>(self, wide: W) {
         let Self { tree: BoxTree { boxes, facets }, roots, likely, company } = self;
         let points = company.points;
-        let p: [W::F64; 3] = points.each_ref().map(|axis| wide.load_f64(axis));
-        let q = p.map(|axis| wide.f64_to_f32(axis));
+        let p = [wide.load_f64(&points[0]), wide.load_f64(&points[1]), wide.load_f64(&points[2])];
+        let q = [wide.f64_to_f32(p[0]), wide.f64_to_f32(p[1]), wide.f64_to_f32(p[2])];
         let mut best = wide.load_f64(&company.squared);
         let mut which = wide.load(&company.facet);
         for &facet in likely {
@@ -129,11 +129,13 @@ impl Task for Find<'_, '_> {
                     reach = wide.f64_to_f32(best) * wide.f32(SLACK);
                 } else {
                     let [a, b] = [at + 1, node.first];
-                    let is_first_nearer = is_nearer(
-                        [0, 1, 2].map(|k| points[k][BATCH / 2] as f32),
-                        &boxes[a as usize],
-                        &boxes[b as usize],
-                    );
+                    let middle = BATCH / 2;
+                    let point = [
+                        points[0][middle] as f32,
+                        points[1][middle] as f32,
+                        points[2][middle] as f32,
+                    ];
+                    let is_first_nearer = is_nearer(point, &boxes[a as usize], &boxes[b as usize]);
                     let [near, far] = if is_first_nearer { [a, b] } else { [b, a] };
                     waiting[left] = far;
                     waiting[left + 1] = near;
@@ -151,7 +153,8 @@ impl Task for Find<'_, '_> {
 fn is_nearer(point: [f32; 3], a: &Boxed, b: &Boxed) -> bool {
     let mut sum = 0.0;
     for k in 0..3 {
-        let [low, high] = [a, b].map(|node| node.sides[0][k] + node.sides[1][k]);
+        let low = a.sides[0][k] + a.sides[1][k];
+        let high = b.sides[0][k] + b.sides[1][k];
         sum += (high - low) * (4.0 * point[k] - low - high);
     }
     sum < 0.0
@@ -159,13 +162,16 @@ fn is_nearer(point: [f32; 3], a: &Boxed, b: &Boxed) -> bool {
 
 #[inline(always)]
 fn squared_to_box<W: Wide>(wide: W, point: [W::F32; 3], node: &Boxed) -> W::F32 {
-    let zero = wide.f32(0.0);
-    let beside = |k: usize| {
-        let (low, high) = (wide.f32(node.sides[0][k]), wide.f32(node.sides[1][k]));
-        (low - point[k]).max(point[k] - high).max(zero)
-    };
-    let [x, y, z] = [beside(0), beside(1), beside(2)];
+    let [low, high] = &node.sides;
+    let x = beside(wide, point[0], low[0], high[0]);
+    let y = beside(wide, point[1], low[1], high[1]);
+    let z = beside(wide, point[2], low[2], high[2]);
     x * x + y * y + z * z
+}
+
+#[inline(always)]
+fn beside<W: Wide>(wide: W, point: W::F32, low: f32, high: f32) -> W::F32 {
+    (wide.f32(low) - point).max(point - wide.f32(high)).max(wide.f32(0.0))
 }
 
 /// The nearest so far, once a facet was looked at.
@@ -188,26 +194,91 @@ fn nearer<W: Wide>(
 fn squared_to_facet<W: Wide>(wide: W, point: [W::F64; 3], facet: &Facet) -> W::F64 {
     let (zero, one) = (wide.f64(0.0), wide.f64(1.0));
     let Facet { corner, edges: [first, third], shares, normal, inside, has_area } = facet;
-    let v: [W::F64; 3] = [0, 1, 2].map(|k| point[k] - wide.f64(corner[k]));
-    let across: [f64; 3] = [0, 1, 2].map(|k| third[k] - first[k]);
-    let to_edge = |from: [W::F64; 3], edge: &[f64; 3], share: f64| {
-        let along = (product(wide, from, edge) * wide.f64(share)).max(zero).min(one);
-        let [x, y, z] = [0, 1, 2].map(|k| from[k] - along * wide.f64(edge[k]));
-        x * x + y * y + z * z
-    };
-    let w = [0, 1, 2].map(|k| v[k] - wide.f64(first[k]));
-    let least = to_edge(v, first, shares[0]).min(to_edge(v, third, shares[1]));
-    let least = least.min(to_edge(w, &across, shares[2]));
+    let v = from(wide, point, corner);
+    let across = [third[0] - first[0], third[1] - first[1], third[2] - first[2]];
+    let least = squared_to_edge(wide, v, first, shares[0]);
+    let least = least.min(squared_to_edge(wide, v, third, shares[1]));
+    let least = least.min(squared_to_edge(wide, from(wide, v, first), &across, shares[2]));
     if !has_area {
         return least;
     }
-    let [a, b] = [product(wide, v, &inside[0]), product(wide, v, &inside[1])];
+    let (a, b) = (product(wide, v, &inside[0]), product(wide, v, &inside[1]));
     let beside = a.less(zero) | b.less(zero) | one.less(a + b);
     let height = product(wide, v, normal);
     wide.select_f64(beside, least, height * height)
 }
 
 #[inline(always)]
+fn squared_to_edge<W: Wide>(wide: W, v: [W::F64; 3], edge: &[f64; 3], share: f64) -> W::F64 {
+    let along = product(wide, v, edge) * wide.f64(share);
+    let along = along.max(wide.f64(0.0)).min(wide.f64(1.0));
+    let x = v[0] - along * wide.f64(edge[0]);
+    let y = v[1] - along * wide.f64(edge[1]);
+    let z = v[2] - along * wide.f64(edge[2]);
+    x * x + y * y + z * z
+}
+
+#[inline(always)]
+fn from<W: Wide>(wide: W, v: [W::F64; 3], start: &[f64; 3]) -> [W::F64; 3] {
+    [v[0] - wide.f64(start[0]), v[1] - wide.f64(start[1]), v[2] - wide.f64(start[2])]
+}
+
+#[inline(always)]
 fn product<W: Wide>(wide: W, v: [W::F64; 3], of: &[f64; 3]) -> W::F64 {
     v[0] * wide.f64(of[0]) + v[1] * wide.f64(of[1]) + v[2] * wide.f64(of[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BoxTree, Boxed, COMPANY, Company, Facet};
+    use crate::{Level, vertices::tests::Chance};
+
+    #[test]
+    fn every_level_finds_the_same_and_what_one_by_one_is_nearest() {
+        let mut chance = Chance(21);
+        let mut number = || f64::from(chance.below(1000)) / 1000.0 - 0.5;
+        for round in 0..200 {
+            // Edges alone: two short ones, and the plane between them if it has a normal along z.
+            let facets: Vec<Facet> = (0..4)
+                .map(|n| Facet {
+                    corner: [number(), number(), number()],
+                    edges: [[0.25, 0.0, 0.0], [0.0, 0.5, 0.0]],
+                    shares: [16.0, 4.0, 3.2],
+                    normal: [0.0, 0.0, 1.0],
+                    inside: [[4.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
+                    has_area: n % 2 == 0,
+                })
+                .collect();
+            let sides = [[-1.0_f32; 3], [1.0; 3]];
+            let boxes = [
+                Boxed { sides, first: 2, count: 0 },
+                Boxed { sides, first: 0, count: 2 },
+                Boxed { sides, first: 2, count: 2 },
+            ];
+            let tree = BoxTree { boxes: &boxes, facets: &facets };
+            let points = [(); 3].map(|()| [(); COMPANY].map(|()| 2.0 * number()));
+            let company = Company {
+                points,
+                squared: [if round % 3 == 0 { 0.1 } else { f64::INFINITY }; COMPANY],
+                facet: [u32::MAX; COMPANY],
+            };
+            let found = |level, likely: &[u32], roots: &[u32]| {
+                let mut company = company;
+                tree.find_at(level, roots, likely, &mut company);
+                company
+            };
+            let plain = found(Level::Portable, &[], &[0]);
+            for &level in Level::available() {
+                assert_eq!(found(level, &[], &[0]), plain, "{level}");
+                assert_eq!(found(level, &[3, 1], &[2, 1]).squared, plain.squared);
+            }
+            for lane in 0..COMPANY {
+                let facet = plain.facet[lane];
+                let near = |facet: u32| found(Level::Portable, &[facet], &[]).squared[lane];
+                let least = (0..4).map(near).fold(f64::INFINITY, f64::min);
+                assert_eq!(plain.squared[lane], least);
+                assert!(facet == u32::MAX || near(facet) == least);
+            }
+        }
+    }
 }

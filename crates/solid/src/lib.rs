@@ -1,5 +1,6 @@
 //! Solids as fields: shapes that are put together from others, and meshes.
 
+mod around;
 mod bvh;
 mod distance;
 #[cfg(test)]
@@ -9,6 +10,7 @@ mod repair;
 mod voxelize;
 mod winding;
 
+pub use around::{AroundError, grid_around};
 pub use distance::Part;
 pub use mesh_solid::{Closest, Flaws, Inside, MeshSolid, SolidError, SolidOptions, Winding};
 pub use voxelize::{VoxelError, VoxelMode, VoxelOptions, Walls, voxelize};
