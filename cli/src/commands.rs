@@ -11,6 +11,7 @@ pub(crate) mod render;
 pub(crate) mod resample;
 mod slabs;
 pub(crate) mod suggest;
+pub(crate) mod voxelize;
 
 use crate::{Session, plan::TextTarget};
 use anyhow::{Context, Result};

@@ -10,6 +10,7 @@ mod render;
 mod resample;
 mod suggest;
 mod target;
+mod voxelize;
 
 pub(crate) use color::ColorPlan;
 pub(crate) use convert::{ConvertPlan, ConvertTo};
@@ -19,6 +20,7 @@ pub(crate) use render::{FadePlan, LookPlan, ModelPlan, RenderPlan, Subject};
 pub(crate) use resample::ResamplePlan;
 pub(crate) use suggest::SuggestPlan;
 pub(crate) use target::{MeshTarget, Stream, TextTarget, is_png};
+pub(crate) use voxelize::VoxelizePlan;
 
 #[cfg(test)]
 mod tests;

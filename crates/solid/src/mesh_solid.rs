@@ -155,7 +155,7 @@ impl Place {
 }
 
 /// Allowances for far triangles, one after the other, until it is clear whether a point is inside; the last is the plain sum.
-const ALLOWANCES: [f64; 3] = [0.1, 1e-3, 0.0];
+const ALLOWANCES: [f64; 4] = [0.4, 0.05, 1e-3, 0.0];
 
 impl MeshSolid {
     /// The solid that a mesh encloses.
