@@ -57,7 +57,7 @@ fn joined<'a>(meshes: impl Iterator<Item = &'a TriMesh>) -> TriMesh {
         positions.extend(mesh.positions.iter());
         triangles.extend(mesh.triangles.iter().map(|t| t.map(|vertex| vertex + base)));
     }
-    TriMesh { positions: Positions::F64(positions), normals: None, triangles }
+    TriMesh { positions: Positions::F64(positions), triangles, ..TriMesh::default() }
 }
 
 /// What is wrong with the mesh, and how inside is decided.

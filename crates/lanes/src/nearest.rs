@@ -152,10 +152,10 @@ impl Task for Find<'_, '_> {
 #[inline(always)]
 fn is_nearer(point: [f32; 3], a: &Boxed, b: &Boxed) -> bool {
     let mut sum = 0.0;
-    for k in 0..3 {
+    for (k, point) in point.into_iter().enumerate() {
         let low = a.sides[0][k] + a.sides[1][k];
         let high = b.sides[0][k] + b.sides[1][k];
-        sum += (high - low) * (4.0 * point[k] - low - high);
+        sum += (high - low) * (4.0 * point - low - high);
     }
     sum < 0.0
 }

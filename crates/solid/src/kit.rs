@@ -7,8 +7,8 @@ use std::{array, f64::consts::TAU, num::NonZeroUsize};
 pub(crate) fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriMesh {
     TriMesh {
         positions: Positions::F64(positions.to_vec()),
-        normals: None,
         triangles: triangles.to_vec(),
+        ..TriMesh::default()
     }
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn ball(n: u32) -> TriMesh {
     let place = |i: u32, j: u32| {
         let (a, b) = (f64::from(i) / f64::from(2 * n) * TAU, f64::from(j) / f64::from(2 * n) * TAU);
         let ring = if j == 0 || j == n { 0.0 } else { b.sin() };
-        let [x, y] = if i % (2 * n) == 0 { [1.0, 0.0] } else { [a.cos(), a.sin()] };
+        let [x, y] = if i.is_multiple_of(2 * n) { [1.0, 0.0] } else { [a.cos(), a.sin()] };
         [ring * x, ring * y, -b.cos()]
     };
     let name = |i: u32, j: u32| j * (2 * n + 1) + i;

@@ -4,7 +4,7 @@ use crate::{
     bvh::Bvh,
     distance::{Near, Part, near},
     repair::{Repaired, repaired},
-    winding::{Rim, Windings},
+    winding::{Rim, Search, Windings},
 };
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
@@ -154,8 +154,9 @@ impl Place {
     }
 }
 
-/// Allowances for far triangles, one after the other, until it is clear whether a point is inside; the last is the plain sum.
-const ALLOWANCES: [f64; 4] = [0.4, 0.05, 1e-3, 0.0];
+/// How wrong the triangles of a box may be if they are taken as one, step by step until it is clear whether a point is inside.
+/// With the last there are no such boxes.
+const LIMITS: [f64; 6] = [4e-3, 5e-4, 6e-5, 8e-6, 1e-6, 0.0];
 
 impl MeshSolid {
     /// The solid that a mesh encloses.
@@ -265,8 +266,9 @@ impl MeshSolid {
     /// Whether a point is inside, and all others around it where the winding number differs by no more than `change`; none
     /// where they may not be alike.
     pub(crate) fn is_in_by(&self, point: [f64; 3], change: f64) -> Option<bool> {
-        for allowance in ALLOWANCES {
-            let (winding, error) = self.windings.at(&self.bvh, point, allowance);
+        let mut search = Search::new(&self.windings, &self.bvh, point);
+        for limit in LIMITS {
+            let (winding, error) = search.open(limit);
             let half = self.half(winding);
             if half.abs() > error + change {
                 return Some(half > 0.0);

@@ -64,17 +64,10 @@ impl Windings {
         let allowed = allowance / self.moments[0].area;
         let mut waiting = vec![0];
         while let Some(at) = waiting.pop() {
-            let moments = &self.moments[at];
-            if moments.area == 0.0 {
-                continue;
-            }
-            let away = sub(moments.centre, point);
-            let square = dot(away, away);
-            let gap = square.sqrt() - moments.radius;
-            let wrong = 3.0 * moments.spread / (4.0 * PI * (gap * gap) * (gap * gap));
-            if gap > 0.0 && wrong <= allowed * moments.area {
-                sum += far(moments, away, square);
-                error += wrong;
+            let Some(far) = self.taken_together(at, point) else { continue };
+            if far.wrong <= allowed * self.moments[at].area {
+                sum += far.angle;
+                error += far.wrong;
                 continue;
             }
             match bvh.below(at) {
@@ -90,6 +83,127 @@ impl Windings {
         let rounding = 1e-15 * self.weights.len() as f64;
         (sum / (4.0 * PI), error + rounding)
     }
+
+    /// The triangles of a box as one, and how wrong that is, as a part of a whole winding; none if there are none.
+    fn taken_together(&self, at: usize, point: [f64; 3]) -> Option<Far> {
+        let moments = &self.moments[at];
+        if moments.area == 0.0 {
+            return None;
+        }
+        let away = sub(moments.centre, point);
+        let square = dot(away, away);
+        let gap = square.sqrt() - moments.radius;
+        if gap <= 0.0 {
+            return Some(Far { at, angle: 0.0, wrong: f64::INFINITY });
+        }
+        let wrong = 3.0 * moments.spread / (4.0 * PI * (gap * gap) * (gap * gap));
+        Some(Far { at, angle: far(moments, away, square), wrong })
+    }
+}
+
+/// The winding number at a point, found step by step: with each the bound of its error is less.
+pub(crate) struct Search<'a> {
+    windings: &'a Windings,
+    bvh: &'a Bvh,
+    point: [f64; 3],
+    /// Of the triangles that were looked at one by one.
+    seen: Turns,
+    /// What stands for all others.
+    far: Vec<Far>,
+}
+
+/// The triangles of a box, taken together.
+#[derive(Clone, Copy, Debug)]
+struct Far {
+    at: usize,
+    angle: f64,
+    wrong: f64,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(windings: &'a Windings, bvh: &'a Bvh, point: [f64; 3]) -> Self {
+        let all = Far { at: 0, angle: 0.0, wrong: f64::INFINITY };
+        Self { windings, bvh, point, seen: Turns::default(), far: vec![all] }
+    }
+
+    /// Opens boxes until none is wrong by more than a limit; the winding number as it is known then, and a bound of its error.
+    pub(crate) fn open(&mut self, limit: f64) -> (f64, f64) {
+        let mut waiting = vec![];
+        let mut kept = vec![];
+        for far in std::mem::take(&mut self.far) {
+            if far.wrong <= limit {
+                kept.push(far)
+            } else {
+                waiting.push(far.at)
+            }
+            while let Some(at) = waiting.pop() {
+                match self.bvh.below(at) {
+                    Below::Boxes(two) => {
+                        for at in two {
+                            match self.windings.taken_together(at, self.point) {
+                                Some(far) if far.wrong <= limit => kept.push(far),
+                                Some(_) => waiting.push(at),
+                                None => {}
+                            }
+                        }
+                    }
+                    Below::Facets(facets) => {
+                        for n in facets.filter(|&n| self.windings.weights[n] != 0.0) {
+                            let seen = seen(&self.bvh.facets()[n], self.point);
+                            self.seen.turn(seen, self.windings.weights[n]);
+                        }
+                    }
+                }
+            }
+        }
+        self.far = kept;
+        let angle: f64 = self.far.iter().map(|far| far.angle).sum();
+        let wrong: f64 = self.far.iter().map(|far| far.wrong).sum();
+        let rounding = 1e-15 * self.windings.weights.len() as f64;
+        ((angle + 2.0 * self.seen.angle()) / (4.0 * PI), wrong + rounding)
+    }
+}
+
+/// Angles that are added without a call for each: the product of complex numbers, and how often it came around.
+///
+/// An arctangent takes longer than all else that is done for a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Turns {
+    product: [f64; 2],
+    whole: f64,
+}
+
+impl Default for Turns {
+    fn default() -> Self {
+        Self { product: [1.0, 0.0], whole: 0.0 }
+    }
+}
+
+impl Turns {
+    /// Adds the argument of a complex number, from −π to π, or takes it away.
+    ///
+    /// If both are in one half, above or below, the sum came around if the product is in the other, or if it is on the right
+    /// and neither is: there rounding may bring it over the axis.
+    fn turn(&mut self, [re, im]: [f64; 2], weight: f64) {
+        let size = re.abs() + im.abs();
+        if size == 0.0 {
+            return; // the point is a corner
+        }
+        let ([a, b], [c, d]) = (self.product, [re / size, weight * im / size + 0.0]);
+        let (re, im) = (a * c - b * d, a * d + b * c);
+        let is_right = re > 0.0 && a < 0.0 && c < 0.0;
+        if b >= 0.0 && d >= 0.0 && (im < 0.0 || is_right) {
+            self.whole += 1.0;
+        } else if b < 0.0 && d < 0.0 && (im >= 0.0 || is_right) {
+            self.whole -= 1.0;
+        }
+        let size = re.abs() + im.abs();
+        self.product = [re / size, im / size + 0.0]; // no −0, whose argument would be −π
+    }
+
+    fn angle(&self) -> f64 {
+        2.0 * PI * self.whole + self.product[1].atan2(self.product[0])
+    }
 }
 
 /// The potential of far triangles.
@@ -102,15 +216,21 @@ fn far(moments: &Moments, away: [f64; 3], square: f64) -> f64 {
     (dot(*dipole, away) + trace - 3.0 * inverse * dot(turned, away)) * cubed
 }
 
-/// Van Oosterom & Strackee 1983; positive where the triangle is seen from inside.
-pub(crate) fn solid_angle(facet: &Facet, point: [f64; 3]) -> f64 {
+/// The solid angle of a facet; positive where it is seen from inside.
+fn solid_angle(facet: &Facet, point: [f64; 3]) -> f64 {
+    let [rest, volume] = seen(facet, point);
+    2.0 * volume.atan2(rest)
+}
+
+/// A complex number whose argument is half the solid angle (Van Oosterom & Strackee 1983).
+fn seen(facet: &Facet, point: [f64; 3]) -> [f64; 2] {
     let a = sub(facet.corner, point);
     let add = |edge: [f64; 3]| [0, 1, 2].map(|k| a[k] + edge[k]);
     let [b, c] = facet.edges.map(add);
     let [la, lb, lc] = [a, b, c].map(length);
     let volume = dot(a, cross(facet.edges[0], facet.edges[1]));
     let rest = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    2.0 * volume.atan2(rest)
+    [rest, volume]
 }
 
 fn of_facet(facet: &Facet, weight: f64) -> Moments {
@@ -143,8 +263,8 @@ fn together(parts: &[Moments]) -> Moments {
         let shift = sub(part.centre, all.centre);
         for i in 0..3 {
             all.dipole[i] += part.dipole[i];
-            for j in 0..3 {
-                all.quadrupole[i][j] += part.quadrupole[i][j] + part.dipole[i] * shift[j];
+            for (j, along) in shift.iter().enumerate() {
+                all.quadrupole[i][j] += part.quadrupole[i][j] + part.dipole[i] * along;
             }
         }
         all.spread += part.spread + part.area * dot(shift, shift);
@@ -200,5 +320,53 @@ impl Rim {
             }
         }
         sum / (4.0 * PI)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Turns;
+    use crate::kit::Chance;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn turns_are_sums_of_arguments() {
+        let mut chance = Chance(31);
+        for round in 0..2000 {
+            let (mut turns, mut sum) = (Turns::default(), 0.0);
+            for _ in 0..1 + round % 40 {
+                // Some close to whole and half turns, and on them.
+                let tie = f64::from(chance.below(9)) / 4.0 - 1.0;
+                let near = [tie, tie + 1e-15 * chance.number(), chance.number()];
+                let angle = PI * near[chance.below(3) as usize].clamp(-1.0, 1.0);
+                let (im, re) = angle.sin_cos();
+                let weight = f64::from(chance.below(2)) * 2.0 - 1.0;
+                let size = chance.number().abs() + 0.01;
+                turns.turn([re * size, im * size], weight);
+                sum += im.atan2(re) * weight;
+            }
+            // Half a turn is as well one the other way.
+            let turns = (turns.angle() - sum) / (2.0 * PI);
+            assert!((turns - turns.round()).abs() < 1e-12, "{turns}");
+        }
+    }
+
+    #[test]
+    fn turns_of_no_half_are_counted() {
+        let mut chance = Chance(32);
+        for _ in 0..2000 {
+            let (mut turns, mut sum) = (Turns::default(), 0.0);
+            for _ in 0..30 {
+                let angle = 0.999_999 * PI * chance.number();
+                turns.turn([angle.cos(), angle.sin()], 1.0);
+                sum += angle;
+            }
+            assert!((turns.angle() - sum).abs() < 1e-12, "{} of {sum}", turns.angle());
+        }
+        let mut turns = Turns::default();
+        (0..64).for_each(|_| turns.turn([1.0, 1.0], 1.0));
+        assert!((turns.angle() - 16.0 * PI).abs() < 1e-12);
+        (0..96).for_each(|_| turns.turn([1.0, 1.0], -1.0));
+        assert!((turns.angle() + 8.0 * PI).abs() < 1e-12);
     }
 }
