@@ -9,6 +9,7 @@ mod extract;
 mod memory;
 mod output;
 mod render;
+mod sample;
 mod values;
 mod volume;
 
@@ -19,6 +20,7 @@ pub(crate) use choices::{
 pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;
 pub(crate) use render::{LodWord, RenderArgs};
+pub(crate) use sample::{FloatArg, SampleArgs};
 pub(crate) use values::{LevelArg, SampleType, Triple};
 pub(crate) use volume::{FileArgs, VolumeArgs};
 
@@ -111,6 +113,7 @@ Examples:
 
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw, of f32 (nearest: of the type they had; of i32, u32 and f64: f64).")]
     Resample(ResampleArgs),
+    Sample(SampleArgs),
     /// Make a picture of surfaces, or of the values of a volume
     Render(Box<RenderArgs>),
     /// Print a script that completes isokit's commands and options in a shell

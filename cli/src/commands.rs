@@ -9,6 +9,7 @@ pub(crate) mod info;
 pub(crate) mod man;
 pub(crate) mod render;
 pub(crate) mod resample;
+pub(crate) mod sample;
 mod slabs;
 pub(crate) mod suggest;
 

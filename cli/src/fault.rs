@@ -10,6 +10,7 @@ use isokit::{
     refine::RefineError,
     render::{RasterError, RaycastError},
     scene::SceneError,
+    solid::ShapeError,
 };
 use std::{error::Error as StdError, io};
 
@@ -90,6 +91,7 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let scene = || error.downcast_ref().map(of_scene);
     let usage = || error.downcast_ref::<UsageError>().map(|_| Fault::Usage);
     let caller = || error.downcast_ref().map(|error: &CallerError| Fault::Caller(error.advice));
+    let shape = || error.downcast_ref().map(of_shape);
     let read = || error.downcast_ref::<ReadError>().map(|error| of_read(&error.fault));
     let write = || error.downcast_ref::<WriteError>().map(|error| of_write(&error.fault));
     let stopped = || error.downcast_ref::<Stopped>().map(of_stopped);
@@ -99,6 +101,7 @@ fn known(error: &(dyn StdError + 'static)) -> Option<Fault> {
     let threads = || error.downcast_ref().map(of_threads);
     let found = pipeline
         .or_else(scene)
+        .or_else(shape)
         .or_else(usage)
         .or_else(caller)
         .or_else(read)
@@ -158,6 +161,13 @@ fn of_scene(error: &SceneError) -> Fault {
         SceneError::NoTransfer => Fault::Caller("give [transfer] points or a preset"),
         SceneError::NoValues => Fault::Caller("leave out cap, or show the volume of the mesh"),
         _ => Fault::Ours("this should not happen; please report it"),
+    }
+}
+
+fn of_shape(error: &ShapeError) -> Fault {
+    match error.place.as_str() {
+        "spacing" => Fault::Caller("choose another --spacing"),
+        _ => Fault::Caller("look at that place in the shape; `isokit sample --help` shows one"),
     }
 }
 

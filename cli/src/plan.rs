@@ -7,6 +7,7 @@ mod palette;
 mod places;
 mod render;
 mod resample;
+mod sample;
 mod suggest;
 mod target;
 
@@ -15,6 +16,7 @@ pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
 pub(crate) use palette::color;
 pub(crate) use render::{FadePlan, LookPlan, ModelPlan, RenderPlan, Subject};
 pub(crate) use resample::ResamplePlan;
+pub(crate) use sample::SamplePlan;
 pub(crate) use suggest::SuggestPlan;
 pub(crate) use target::{MeshTarget, Stream, TextTarget, is_png};
 
