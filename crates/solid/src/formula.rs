@@ -103,3 +103,6 @@ fn power(builder: &mut Builder, base: u32, exponent: u32) -> Result<u32, Full> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

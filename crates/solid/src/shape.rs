@@ -252,3 +252,6 @@ impl Shape {
         Self::Repeated { of: self.into(), array }
     }
 }
+
+#[cfg(test)]
+mod tests;
