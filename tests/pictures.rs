@@ -5,6 +5,8 @@
 //! may differ by a tenth of a part of 255 on the mean, and by more than a twentieth of what a colour can be in one part of
 //! a thousand: as much as mathematical functions of other systems may bring, and less than one sees.
 
+mod shapes;
+
 use isokit::{
     job::Job,
     pipeline::Scan,
@@ -31,6 +33,17 @@ fn parts(path: &Path) -> ([u32; 2], Vec<u8>) {
     ([info.width, info.height], all)
 }
 
+#[track_caller]
+fn assert_alike(name: &str, found: &Path, kept: &Path) {
+    let ((size, pixels), (expected, known)) = (parts(found), parts(kept));
+    assert_eq!(size, expected, "{name}");
+    let off = pixels.iter().zip(&known).map(|(a, b)| a.abs_diff(*b));
+    let sum: u64 = off.clone().map(u64::from).sum();
+    let far = off.filter(|off| *off > 255 / 20).count();
+    let mean = sum as f64 / pixels.len() as f64;
+    assert!(mean <= 0.1 && far * 1000 <= pixels.len(), "{name}: {mean} on the mean, {far} far");
+}
+
 /// The scenes' names.
 fn scenes() -> Vec<String> {
     let folder = workspace::root().join("fixtures/scenes");
@@ -54,13 +67,7 @@ fn every_scene_looks_as_it_was_looked_at() {
         let (mut out, mut err) = (vec![], vec![]);
         let exit = run(words.into_iter().chain([found.as_os_str()]), &mut out, &mut err);
         assert_eq!(exit, Exit::Done, "{name}: {}", String::from_utf8_lossy(&err));
-        let ((size, pixels), (expected, known)) = (parts(&found), parts(&kept));
-        assert_eq!(size, expected, "{name}");
-        let off = pixels.iter().zip(&known).map(|(a, b)| a.abs_diff(*b));
-        let sum: u64 = off.clone().map(u64::from).sum();
-        let far = off.filter(|off| *off > 255 / 20).count();
-        let mean = sum as f64 / pixels.len() as f64;
-        assert!(mean <= 0.1 && far * 1000 <= pixels.len(), "{name}: {mean} on the mean, {far} far");
+        assert_alike(&name, &found, &kept);
         if found != kept {
             fs::remove_file(found).unwrap();
         }

@@ -14,6 +14,7 @@ mod refine;
 mod render;
 mod report;
 mod resample;
+mod sample;
 mod slabs;
 mod streams;
 mod suggest;

@@ -10,6 +10,11 @@ pub mod guarantees {
     #![doc = include_str!("guide/guarantees.md")]
 }
 
+/// Solids that are put together from simple ones.
+pub mod shapes {
+    #![doc = include_str!("guide/shapes.md")]
+}
+
 /// Files, axes and units.
 pub mod formats {
     #![doc = include_str!("guide/formats.md")]
