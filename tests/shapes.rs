@@ -8,14 +8,26 @@ use isokit_cli::{Exit, run};
 use isokit_tests::workspace;
 use std::{env, fs, path::Path};
 
-/// Name, distance of samples, and colour.
-const SHAPES: [(&str, &str, &str); 5] = [
-    ("bracket", "0.5", "#9aa4b0"),
-    ("gear", "0.4", "#c9a227"),
-    ("gyroid", "0.4", "#7fb3d5"),
-    ("creature", "0.05", "#d98880"),
-    ("barth", "0.4", "#7dba84"),
+/// Name, distance of samples, colour, and where one stands.
+const SHAPES: [(&str, &str, &str, [i32; 3]); 5] = [
+    ("bracket", "0.5", "#9aa4b0", [92, -100, 88]),
+    ("gear", "0.4", "#c9a227", [30, -80, 100]),
+    ("gyroid", "0.4", "#7fb3d5", [-50, -125, 62]),
+    ("creature", "0.05", "#d98880", [14, -12, 5]),
+    ("barth", "0.4", "#7dba84", [30, -80, 50]),
 ];
+
+fn scene(color: &str, from: [i32; 3]) -> String {
+    format!(
+        r##"
+        volume.path = "a.nrrd"
+        surface = [{{ iso = 0, color = "{color}" }}]
+        camera = {{ from = {from:?}, fov = 26 }}
+        light.specular = 0.3
+        output = {{ size = [256, 256], background = "#ffffff" }}
+        "##
+    )
+}
 
 #[track_caller]
 fn done(words: &[&str]) {
@@ -33,8 +45,9 @@ fn every_shape_becomes_a_closed_mesh_and_looks_as_it_was_looked_at() {
     let root = workspace::root().join("fixtures/shapes");
     let folder = env::temp_dir().join(format!("isokit-shapes-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
-    let [volume, mesh, made] = ["a.nrrd", "a.ply", "a.png"].map(|file| folder.join(file));
-    for (shape, spacing, color) in SHAPES {
+    let names = ["a.nrrd", "a.ply", "a.toml", "a.png"];
+    let [volume, mesh, looks, made] = names.map(|file| folder.join(file));
+    for (shape, spacing, color, from) in SHAPES {
         let (toml, kept) = (root.join(format!("{shape}.toml")), root.join(format!("{shape}.png")));
         done(&["sample", name(&toml), "--spacing", spacing, "-o", name(&volume)]);
         done(&["extract", name(&volume), "--iso", "0", "-o", name(&mesh)]);
@@ -43,10 +56,8 @@ fn every_shape_becomes_a_closed_mesh_and_looks_as_it_was_looked_at() {
         let found = topology(&surface.mesh, &job).unwrap();
         assert!(found.shortfalls().is_empty() && found.triangles > 10_000, "{shape}: {found:?}");
         let picture = if env::var_os("UPDATE").is_some() { &kept } else { &made };
-        let iso = format!("0:{color}");
-        let looks = ["--size", "256x256", "--view", "anterior", "--orbit", "35"];
-        let words = ["render", name(&volume), "--iso", &iso, "-o", name(picture)];
-        done(&[&words[..], &looks[..]].concat());
+        fs::write(&looks, scene(color, from)).unwrap();
+        done(&["render", name(&looks), "-o", name(picture)]);
         assert_alike(shape, picture, &kept);
     }
     fs::remove_dir_all(folder).unwrap();

@@ -19,7 +19,7 @@ mod shorten;
 pub(crate) use build::{Builder, Full};
 pub(crate) use range::Range;
 
-use jets::Dual;
+use jets::{Dual, Steep};
 
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -187,6 +187,21 @@ impl Tape {
             let number = match *step {
                 Step::Constant(value) => Dual::constant(value),
                 Step::Axis(axis) => Dual::axis(axis, point[usize::from(axis)]),
+                Step::Unary(code, a) => numbers[a as usize].unary(code),
+                Step::Binary(code, a, b) => numbers[a as usize].binary(code, &numbers[b as usize]),
+            };
+            numbers.push(number);
+        }
+        *numbers.last().expect("a tape has a step")
+    }
+
+    /// Value and gradient at a point: those of [`jet`](Self::jet), to the bit.
+    pub(crate) fn slope(&self, point: [f64; 3]) -> Steep {
+        let mut numbers: Vec<Steep> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            let number = match *step {
+                Step::Constant(value) => Steep::constant(value),
+                Step::Axis(axis) => Steep::axis(axis, point[usize::from(axis)]),
                 Step::Unary(code, a) => numbers[a as usize].unary(code),
                 Step::Binary(code, a, b) => numbers[a as usize].binary(code, &numbers[b as usize]),
             };

@@ -34,61 +34,18 @@ impl Dual {
     }
 
     pub(super) fn unary(&self, code: Unary) -> Self {
-        let a = self.value;
-        let value = code.of(a);
-        let [first, second] = match code {
-            Unary::Neg => [-1.0, 0.0],
-            Unary::Abs => [1.0_f64.copysign(a), 0.0],
-            Unary::Sqrt => [0.5 / value, -0.25 / (value * a)],
-            Unary::Square => [2.0 * a, 2.0],
-            Unary::Floor => [0.0, 0.0],
-            Unary::Sin => [libm::cos(a), -value],
-            Unary::Cos => [-libm::sin(a), -value],
-            Unary::Tan => {
-                let slope = 1.0 + value * value;
-                [slope, 2.0 * value * slope]
-            }
-            Unary::Asin | Unary::Acos => {
-                let sign = if code == Unary::Asin { 1.0 } else { -1.0 };
-                let square = 1.0 - a * a;
-                let slope = sign / square.sqrt();
-                [slope, slope * a / square]
-            }
-            Unary::Atan => {
-                let slope = 1.0 / (1.0 + a * a);
-                [slope, -2.0 * a * slope * slope]
-            }
-            Unary::Exp => [value, value],
-            Unary::Ln => [1.0 / a, -1.0 / (a * a)],
-        };
+        let value = code.of(self.value);
+        let [first, second] = slopes(code, self.value, value);
         self.chained(value, &Self::constant(0.0), [first, 0.0, second, 0.0, 0.0])
     }
 
     pub(super) fn binary(&self, code: Binary, other: &Self) -> Self {
-        let (a, b) = (self.value, other.value);
-        let value = code.of(a, b);
-        let partials: Partials = match code {
-            Binary::Add => [1.0, 1.0, 0.0, 0.0, 0.0],
-            Binary::Sub => [1.0, -1.0, 0.0, 0.0, 0.0],
-            Binary::Mul => [b, a, 0.0, 1.0, 0.0],
-            Binary::Div => {
-                let over = 1.0 / b;
-                [over, -value * over, 0.0, -over * over, 2.0 * value * over * over]
-            }
-            Binary::Min => return if a < b { *self } else { *other },
-            Binary::Max => return if a > b { *self } else { *other },
-            Binary::Pow => powers(a, b, value),
-            Binary::Atan2 => {
-                let square = a * a + b * b;
-                let (p, q) = (b / square, a / square);
-                [p, -q, -2.0 * p * q, q * q - p * p, 2.0 * p * q]
-            }
-            Binary::Signed => {
-                let flips = a.is_sign_negative() != b.is_sign_negative();
-                [if flips { -1.0 } else { 1.0 }, 0.0, 0.0, 0.0, 0.0]
-            }
-        };
-        self.chained(value, other, partials)
+        let value = code.of(self.value, other.value);
+        match chosen(code, self.value, other.value) {
+            Some(true) => *self,
+            Some(false) => *other,
+            None => self.chained(value, other, partials(code, self.value, other.value, value)),
+        }
     }
 
     /// The chain rule.
@@ -106,6 +63,121 @@ impl Dual {
         };
         let hessian = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
         Self { value, gradient, hessian }
+    }
+}
+
+/// A value with its gradient: as of [`Dual`], without what only second derivatives need.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Steep {
+    pub(crate) value: f64,
+    pub(crate) gradient: [f64; 3],
+}
+
+impl Steep {
+    #[inline]
+    pub(super) fn constant(value: f64) -> Self {
+        Self { value, gradient: [0.0; 3] }
+    }
+
+    #[inline]
+    pub(super) fn axis(axis: u8, value: f64) -> Self {
+        let mut number = Self::constant(value);
+        number.gradient[usize::from(axis)] = 1.0;
+        number
+    }
+
+    #[inline]
+    pub(super) fn unary(&self, code: Unary) -> Self {
+        let value = code.of(self.value);
+        let [first, _] = slopes(code, self.value, value);
+        self.chained(value, &Self::constant(0.0), [first, 0.0])
+    }
+
+    #[inline]
+    pub(super) fn binary(&self, code: Binary, other: &Self) -> Self {
+        let value = code.of(self.value, other.value);
+        match chosen(code, self.value, other.value) {
+            Some(true) => *self,
+            Some(false) => *other,
+            None => {
+                let [by_a, by_b, ..] = partials(code, self.value, other.value, value);
+                self.chained(value, other, [by_a, by_b])
+            }
+        }
+    }
+
+    #[inline]
+    fn chained(&self, value: f64, other: &Self, [by_a, by_b]: [f64; 2]) -> Self {
+        if value.is_nan() {
+            return Self { value, gradient: [f64::NAN; 3] };
+        }
+        let (p, q) = (self.gradient, other.gradient);
+        Self { value, gradient: [0, 1, 2].map(|i| times(by_a, p[i]) + times(by_b, q[i])) }
+    }
+}
+
+/// First and second derivative.
+#[inline]
+fn slopes(code: Unary, a: f64, value: f64) -> [f64; 2] {
+    match code {
+        Unary::Neg => [-1.0, 0.0],
+        Unary::Abs => [1.0_f64.copysign(a), 0.0],
+        Unary::Sqrt => [0.5 / value, -0.25 / (value * a)],
+        Unary::Square => [2.0 * a, 2.0],
+        Unary::Floor => [0.0, 0.0],
+        Unary::Sin => [libm::cos(a), -value],
+        Unary::Cos => [-libm::sin(a), -value],
+        Unary::Tan => {
+            let slope = 1.0 + value * value;
+            [slope, 2.0 * value * slope]
+        }
+        Unary::Asin | Unary::Acos => {
+            let sign = if code == Unary::Asin { 1.0 } else { -1.0 };
+            let square = 1.0 - a * a;
+            let slope = sign / square.sqrt();
+            [slope, slope * a / square]
+        }
+        Unary::Atan => {
+            let slope = 1.0 / (1.0 + a * a);
+            [slope, -2.0 * a * slope * slope]
+        }
+        Unary::Exp => [value, value],
+        Unary::Ln => [1.0 / a, -1.0 / (a * a)],
+    }
+}
+
+/// Whether the number is the first one or the second.
+#[inline]
+fn chosen(code: Binary, a: f64, b: f64) -> Option<bool> {
+    match code {
+        Binary::Min => Some(a < b),
+        Binary::Max => Some(a > b),
+        _ => None,
+    }
+}
+
+/// Of what is not chosen.
+#[inline]
+fn partials(code: Binary, a: f64, b: f64, value: f64) -> Partials {
+    match code {
+        Binary::Add => [1.0, 1.0, 0.0, 0.0, 0.0],
+        Binary::Sub => [1.0, -1.0, 0.0, 0.0, 0.0],
+        Binary::Mul => [b, a, 0.0, 1.0, 0.0],
+        Binary::Div => {
+            let over = 1.0 / b;
+            [over, -value * over, 0.0, -over * over, 2.0 * value * over * over]
+        }
+        Binary::Min | Binary::Max => [0.0; 5],
+        Binary::Pow => powers(a, b, value),
+        Binary::Atan2 => {
+            let square = a * a + b * b;
+            let (p, q) = (b / square, a / square);
+            [p, -q, -2.0 * p * q, q * q - p * p, 2.0 * p * q]
+        }
+        Binary::Signed => {
+            let flips = a.is_sign_negative() != b.is_sign_negative();
+            [if flips { -1.0 } else { 1.0 }, 0.0, 0.0, 0.0, 0.0]
+        }
     }
 }
 
