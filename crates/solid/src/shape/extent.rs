@@ -126,8 +126,8 @@ fn common(a: Aabb, b: Aabb) -> Aabb {
 fn half_space(normal: [f64; 3], at: f64) -> Aabb {
     let n = vector::unit(normal).unwrap_or([0.0; 3]);
     let mut found = EVERYWHERE;
-    for axis in 0..3 {
-        match n[axis] {
+    for (axis, along) in n.into_iter().enumerate() {
+        match along {
             1.0 => found.max[axis] = at,
             -1.0 => found.min[axis] = -at,
             _ => {}
@@ -142,9 +142,9 @@ fn mapped(own: Aabb, rows: [[f64; 3]; 3], by: [f64; 3]) -> Aabb {
         return NOWHERE;
     }
     let mut found = Aabb { min: by, max: by };
-    for axis in 0..3 {
+    for (axis, row) in rows.iter().enumerate() {
         // What is infinite stays so, and does not spread along axes that it has nothing to do with.
-        for (k, &factor) in rows[axis].iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+        for (k, &factor) in row.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
             let (a, b) = (factor * own.min[k], factor * own.max[k]);
             found.min[axis] += a.min(b);
             found.max[axis] += a.max(b);
