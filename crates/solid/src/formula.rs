@@ -1,8 +1,8 @@
 //! A formula in x, y, z, as somebody writes it.
 //!
-//! A parser by binding powers (Pratt, "Top down operator precedence", 1973) that writes the steps of a tape. Crates for
-//! formulas were looked at: those that take a number type of one's own bring regular expressions and number towers with
-//! them, and their errors do not say where.
+//! A parser by binding powers (Pratt, "Top down operator precedence", 1973) that writes the steps of a tape. A crate that
+//! takes operands of one's own (`exmex`) brings regular expressions and a tower of number types with it, for less than what
+//! stands here.
 
 mod parse;
 
