@@ -1,4 +1,4 @@
-//! Solids as fields: shapes that are put together from others, and meshes.
+//! Solids as fields: shapes that are put together from others.
 //!
 //! A [`Model`] is a tree of [`Shape`]s, in Rust or in a file. Built, it is a [`Solid`], which knows the value at each point
 //! of the world; on a lattice it is [`Placed`], a field like any other.

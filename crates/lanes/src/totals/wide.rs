@@ -4,11 +4,17 @@
 //! with plain loops, and of rows of three words 0.97 (EPYC, one thread, November 2026; gyroids of 256³ and 192³, as in
 //! row `many` of `scripts/bench`).
 
-use super::{InCells, InSlice, Rows, Wall};
+mod eight;
+mod row;
+
+pub(super) use eight::in_layers;
+
+use super::{InCells, InSlice, Rows};
 use crate::{
     euler::add,
     word::wide::{Four, Pack},
 };
+use row::{Between, Row, holes};
 
 /// How many counts of eight bits a byte can add up.
 const PER_BYTE: usize = u8::MAX as usize / 8;
@@ -58,20 +64,6 @@ struct Column<'a, const WHOLE: bool> {
     zero: Four,
 }
 
-/// A row of two slices.
-struct Row {
-    /// Points, and edges along x that are inside, of the higher slice.
-    points: Four,
-    edges: Four,
-    /// Cut edges along x of the higher slice, and those along z.
-    cut: Four,
-    along_z: Four,
-    /// Edges along x, one above another, of which one is inside.
-    pairs: Four,
-    /// Edges along z that are inside, at low and high x.
-    upright: [Four; 2],
-}
-
 /// What a row adds to those before it.
 struct Added {
     /// Cut edges along x of the higher slice; neighbouring ones of which one is inside.
@@ -82,8 +74,7 @@ struct Added {
     /// Edges along x, one above another, of which one is inside, and cells of which both or none of the faces
     /// across x are.
     across: [Four; 2],
-    /// Where there may be holes: of each of three pairs of edges one is inside, and the other edge of the
-    /// higher slice is cut. Smooth fields have next to none.
+    /// Where there may be holes.
     may_hole: Four,
 }
 
@@ -135,31 +126,20 @@ impl<'a, const WHOLE: bool> Column<'a, WHOLE> {
     }
 
     #[inline(always)]
-    fn row(&self, y: usize) -> Row {
-        let ([b, b1], [d, d1]) = (self.points(0, y), self.points(1, y));
-        let edges = d & d1;
-        Row {
-            points: d,
-            edges,
-            cut: (d ^ d1) & self.cells,
-            along_z: b ^ d,
-            pairs: (b & b1) ^ edges,
-            upright: [b & d, b1 & d1],
-        }
+    fn row(&self, y: usize) -> Row<Four> {
+        Row::new(self.points(0, y), self.points(1, y), self.cells)
     }
 
     /// What row `next` adds to the one before.
     #[inline(always)]
-    fn added(&self, row: &Row, next: &Row) -> Added {
-        let pairs = row.edges ^ next.edges;
-        let low = row.upright[0] & next.upright[0];
-        let high = row.upright[1] & next.upright[1];
+    fn added(&self, row: &Row<Four>, next: &Row<Four>) -> Added {
+        let Between { pairs, along_y, faces, may_hole } = row.before(next);
         Added {
             cut: next.cut,
             pairs,
-            edges: [row.points ^ next.points, next.along_z],
-            across: [next.pairs, (low ^ high).outside(self.cells)],
-            may_hole: row.pairs & pairs & next.pairs & (row.cut | next.cut),
+            edges: [along_y, next.along_z],
+            across: [next.pairs, faces.outside(self.cells)],
+            may_hole,
         }
     }
 
@@ -205,11 +185,9 @@ impl<'a, const WHOLE: bool> Column<'a, WHOLE> {
     /// Cells between row `y` and the next of which just two corners are outside, opposite ones.
     #[inline(always)]
     fn holes(&self, y: usize) -> u64 {
-        let (a, b) = (self.points(0, y), self.points(0, y + 1));
-        let (c, d) = (self.points(1, y), self.points(1, y + 1));
-        let (wall, _) = Wall::new(a, c, self.cells);
-        let (next, _) = Wall::new(b, d, self.cells);
-        ones(wall.holes(&next, [a[0] ^ d[0], b[0] ^ c[0]]))
+        let low = [self.points(0, y), self.points(0, y + 1)];
+        let high = [self.points(1, y), self.points(1, y + 1)];
+        ones(holes(low, high, self.cells))
     }
 }
 
