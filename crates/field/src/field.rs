@@ -90,3 +90,26 @@ pub trait ScalarField: Sync {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Sampled, ScalarField};
+    use isokit_geom::Aabb;
+    use isokit_volume::{Grid, Volume};
+
+    #[test]
+    fn a_field_that_knows_no_better_is_asked_point_by_point_and_has_any_value() {
+        let samples = (0..60).map(|n: i32| (n * n % 17) as f32).collect();
+        let volume =
+            Volume::new(Grid::new([5, 4, 3], Default::default()).unwrap(), samples).unwrap();
+        let field = Sampled::new(volume.view());
+        let all = Aabb { min: [0.0; 3], max: [4.0, 3.0, 2.0] };
+        assert!(field.bounds(all).contains(f64::MAX) && field.within(all).is_none());
+        let mut values = [f64::NAN; 2 * 3 * 2];
+        field.fill([1..3, 1..4, 0..2], &mut values);
+        let own = |n: usize| [1 + n % 2, 1 + n / 2 % 3, n / 6].map(|c| c as f64);
+        let expected: Vec<f64> = (0..12).map(|n| field.value(own(n))).collect();
+        assert_eq!(values[..], expected);
+        field.fill([2..2, 0..4, 0..3], &mut []);
+    }
+}

@@ -14,7 +14,7 @@ fn place() -> impl Strategy<Value = [f64; 3]> {
     [coordinate(), coordinate(), coordinate()]
 }
 
-pub(crate) const FORMULAS: [&str; 8] = [
+pub(crate) const FORMULAS: [&str; 11] = [
     "4 - x^2 - 2*y^2 - z^2",
     "sin(x) * cos(y) + z / 3",
     "min(x, y, 2 - z) - exp(-abs(x))",
@@ -22,6 +22,9 @@ pub(crate) const FORMULAS: [&str; 8] = [
     "atan2(y, x + 5) - tan(z / 8)",
     "ln(4 + x) - sqrt(9 - y) + z^0.5",
     "pow(2, x) - length(x, y, z) + asin(z / 4) - acos(y / 9)",
+    "ln(x) + y",
+    "pow(2, 900 * x) - pow(3, -y)",
+    "x^300 - z",
     "floor(x) + clamp(y, -1, 1) * atan(z) - 0.2 * z^-2",
 ];
 

@@ -17,8 +17,7 @@ use std::ops;
 #[derive(Clone, Debug)]
 pub struct Placed {
     tape: Tape,
-    dims: [usize; 3],
-    index_to_world: Affine,
+    grid: Grid,
 }
 
 /// Samples of a brick: in it operands that have no say are left out.
@@ -26,13 +25,7 @@ const BRICK: [usize; 3] = [32, 16, 8];
 
 impl Placed {
     pub(crate) fn new(tape: Tape, grid: &Grid) -> Self {
-        let dims = grid.dims().map(|n| usize::try_from(n).unwrap_or(usize::MAX));
-        Self { tape, dims, index_to_world: grid.frame.index_to_world }
-    }
-
-    /// How many steps it takes to make a value.
-    pub fn steps(&self) -> usize {
-        self.tape.len()
+        Self { tape, grid: *grid }
     }
 
     fn shortened(&self, ijk: Aabb) -> Option<Self> {
@@ -45,20 +38,12 @@ impl Placed {
     /// # Errors
     ///
     /// If the job is cancelled or allows less memory.
-    ///
-    /// # Panics
-    ///
-    /// If `grid` is another one than it was placed on.
-    pub fn volume<T: Real + Sample + Default>(
-        &self,
-        grid: &Grid,
-        job: &Job,
-    ) -> Result<Volume<T>, Stopped> {
-        assert_eq!(grid.dims().map(|n| n as usize), self.dims, "the lattice that it is on");
+    pub fn volume<T: Real + Sample + Default>(&self, job: &Job) -> Result<Volume<T>, Stopped> {
+        let grid = self.grid;
         let mut samples: Vec<T> = job.limits.zeroed("volume", Some(grid.count()))?;
         let layers = BRICK[2];
         let slab = grid.slice_count() as usize * layers;
-        job.progress.begin("sample", self.dims[2].div_ceil(layers) as u64);
+        job.progress.begin("sample", grid.dims()[2].div_ceil(layers as u64));
         job.threads.run(|| {
             samples.par_chunks_mut(slab).enumerate().try_for_each(|(n, samples)| {
                 job.check()?;
@@ -67,12 +52,12 @@ impl Placed {
                 Ok::<_, Stopped>(())
             })
         })?;
-        Ok(Volume::new(*grid, samples).expect("one for each point"))
+        Ok(Volume::new(grid, samples).expect("one for each point"))
     }
 
     /// The samples of some slices, brick by brick.
     fn fill_slab<T: Real>(&self, first: usize, samples: &mut [T]) {
-        let [nx, ny, _] = self.dims;
+        let [nx, ny, _] = self.dims();
         let z = first..first + samples.len() / (nx * ny);
         let slab = self.shortened(around(&[0..nx, 0..ny, z.clone()]));
         let slab = slab.as_ref().unwrap_or(self);
@@ -110,11 +95,11 @@ fn ranges(ijk: Aabb) -> [Range; 3] {
 
 impl ScalarField for Placed {
     fn dims(&self) -> [usize; 3] {
-        self.dims
+        self.grid.dims().map(|n| usize::try_from(n).unwrap_or(usize::MAX))
     }
 
     fn index_to_world(&self) -> Affine {
-        self.index_to_world
+        self.grid.frame.index_to_world
     }
 
     fn value(&self, ijk: [f64; 3]) -> f64 {

@@ -82,7 +82,8 @@ pub enum Shape {
         surface: PeriodicSurface,
         /// After how far along each axis it repeats.
         cell: f64,
-        /// A wall about the surface: about so thick, and no thinner. If none is given, one side of the surface.
+        /// A wall about the surface, no thinner than this, and thicker where the sum is less steep than at its steepest: of a
+        /// gyroid by a fifth at most, of Neovius' surface up to seven times. If none is given, one side of the surface.
         thickness: Option<f64>,
     },
     /// Where a formula is positive. Its value is the formula's, whatever that is.
@@ -96,7 +97,7 @@ pub enum Shape {
         /// At least one. The others are cut from the first if it is a difference.
         of: Vec<Shape>,
         /// Surfaces that are so near to each other, in value, run into each other; 0: they meet at an edge. The quadratic
-        /// blend: it adds at most a quarter of this.
+        /// blend, of one after the other in the order in which they stand: each after the first adds a quarter of this at most.
         blend: f64,
     },
     /// All that is so much farther out, or in.

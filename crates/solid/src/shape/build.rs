@@ -3,7 +3,7 @@
 mod placing;
 mod primitives;
 
-pub(super) use placing::{IDENTITY, rotation};
+pub(super) use placing::{IDENTITY, least, reflection, rotation};
 
 use super::{Array, Combination, Shape};
 use crate::tape::{Binary, Builder, Full, Step, Unary};
@@ -60,7 +60,10 @@ pub enum ShapeFault {
 }
 
 /// Shapes within each other.
-const MOST_DEEP: usize = 200;
+pub(super) const MOST_DEEP: usize = 200;
+
+/// Shapes and copies of them that are looked at: so many that all steps that may be are made, and then it has an end.
+pub(super) const MOST_LOOKS: usize = 1 << 21;
 
 /// Copies in one array.
 const MOST_COPIES: u64 = 100_000;
@@ -75,6 +78,7 @@ pub(super) struct Build<'m> {
     open: Vec<&'m str>,
     place: Vec<String>,
     depth: usize,
+    looks: usize,
 }
 
 type Point = [u32; 3];
@@ -83,7 +87,7 @@ impl<'m> Build<'m> {
     pub(super) fn new(parts: &'m BTreeMap<String, Shape>) -> Self {
         let place = vec!["shape".to_owned()];
         let (builder, made) = (Builder::default(), BTreeMap::new());
-        Self { builder, parts, made, open: vec![], place, depth: 0 }
+        Self { builder, parts, made, open: vec![], place, depth: 0, looks: 0 }
     }
 
     pub(super) fn axis(&mut self, axis: u8) -> Result<u32, ShapeError> {
@@ -107,13 +111,21 @@ impl<'m> Build<'m> {
         fits: bool,
         expected: &str,
     ) -> Result<f64, ShapeError> {
-        if fits && value.is_finite() {
-            return Ok(value);
+        if !fits || !value.is_finite() {
+            return Err(self.off(name, expected, value));
         }
+        // So that no product of a few overflows, and none that is not 0 vanishes.
+        if value != 0.0 && !(1e-100..=1e100).contains(&value.abs()) {
+            return Err(self.off(name, "a size from 1e-100 to 1e100", value));
+        }
+        Ok(value)
+    }
+
+    fn off(&self, name: &str, expected: &str, value: f64) -> ShapeError {
         let mut error = self
             .refused(ShapeFault::Number { expected: expected.into(), found: value.to_string() });
         error.place = format!("{}.{name}", error.place);
-        Err(error)
+        error
     }
 
     fn above_0(&self, name: &str, value: f64) -> Result<f64, ShapeError> {
@@ -163,6 +175,10 @@ impl<'m> Build<'m> {
         if self.depth > MOST_DEEP {
             return Err(self.refused(ShapeFault::TooDeep));
         }
+        self.looks += 1;
+        if self.looks > MOST_LOOKS {
+            return Err(self.refused(ShapeFault::TooLarge));
+        }
         let value = match shape {
             Shape::Part(name) => self.part(name, p)?,
             Shape::Combined { how, of, blend } => self.combined(*how, of, *blend, p)?,
@@ -185,15 +201,12 @@ impl<'m> Build<'m> {
                 let made = self.divided(p, *by);
                 let p = self.full(made)?;
                 let value = self.shape(of, p)?;
-                let least = by.iter().fold(f64::INFINITY, |least, &factor| least.min(factor));
-                let made = self.builder.with(Binary::Mul, value, least);
+                let made = self.builder.with(Binary::Mul, value, least(*by));
                 self.full(made)?
             }
             Shape::Mirrored { of, normal } => {
                 let n = self.direction("mirror", *normal)?;
-                let rows = [0, 1, 2]
-                    .map(|i| [0, 1, 2].map(|j| f64::from(u8::from(i == j)) - 2.0 * n[i] * n[j]));
-                let p = self.mapped(rows, [0.0; 3], p)?;
+                let p = self.mapped(reflection(n), [0.0; 3], p)?;
                 self.shape(of, p)?
             }
             Shape::Rotated { of, degrees } => {
@@ -315,8 +328,9 @@ impl<'m> Build<'m> {
         if let Array::Grid { step, .. } | Array::Linear { step, .. } = array {
             self.finite("array.step", *step)?;
         }
-        if let Array::Polar { turn, .. } = array {
+        if let Array::Polar { turn, axis, .. } = array {
             self.finite("array.turn", [*turn])?;
+            self.number("array.about", (*axis).into(), *axis < 3, "axis 0, 1 or 2")?;
         }
         let count = array.count();
         if count == 0 || count > MOST_COPIES {
@@ -339,7 +353,7 @@ impl<'m> Build<'m> {
                 }
             });
         }
-        Ok(all.expect("there is a copy"))
+        Ok(all.expect("at least one copy, which was asked above"))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A box around a shape: from the tree, before there is a lattice.
 
-use super::{Array, Combination, Shape, build};
+use super::{Array, Combination, Shape, ShapeFault, build};
 use isokit_geom::{Aabb, vector};
 use std::collections::BTreeMap;
 
@@ -11,11 +11,14 @@ const NOWHERE: Aabb = Aabb { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3
 pub(super) struct Extents<'m> {
     parts: &'m BTreeMap<String, Shape>,
     known: BTreeMap<(&'m str, u64), Aabb>,
+    /// Shapes within each other just now, and shapes and copies looked at so far.
+    depth: usize,
+    looks: usize,
 }
 
 impl<'m> Extents<'m> {
     pub(super) fn new(parts: &'m BTreeMap<String, Shape>) -> Self {
-        Self { parts, known: BTreeMap::new() }
+        Self { parts, known: BTreeMap::new(), depth: 0, looks: 0 }
     }
 
     /// A box outside of which no value is `-grow` or more, of a shape that was [built](build). It may go on for ever along
@@ -23,8 +26,17 @@ impl<'m> Extents<'m> {
     ///
     /// Offsets and blends are not added to a box, but asked for in the shapes that they are made of: the corner of an
     /// intersection moves out farther than its faces.
-    pub(super) fn of(&mut self, shape: &'m Shape, grow: f64) -> Aabb {
-        match shape {
+    ///
+    /// # Errors
+    ///
+    /// If shapes are nested too deep, or there are too many: parts are looked at once for each offset that they are in.
+    pub(super) fn of(&mut self, shape: &'m Shape, grow: f64) -> Result<Aabb, ShapeFault> {
+        self.depth += 1;
+        if self.depth > build::MOST_DEEP {
+            return Err(ShapeFault::TooDeep);
+        }
+        self.look(1)?;
+        let found = match shape {
             Shape::Sphere { radius } => around_origin([*radius; 3], grow),
             Shape::Box { size, .. } => around_origin(size.map(|c| 0.5 * c), grow),
             Shape::Cylinder { radius, height, .. } => {
@@ -43,57 +55,69 @@ impl<'m> Extents<'m> {
             }
             Shape::Plane { normal, at } => half_space(*normal, at + grow),
             Shape::Periodic { .. } | Shape::Formula(_) => EVERYWHERE,
-            Shape::Part(name) => self.part(name, grow),
-            Shape::Combined { how, of, blend } => self.combined(*how, of, *blend, grow),
-            Shape::Offset { of, by } => self.of(of, grow + by),
-            Shape::Shell { of, .. } => self.of(of, grow),
+            Shape::Part(name) => self.part(name, grow)?,
+            Shape::Combined { how, of, blend } => self.combined(*how, of, *blend, grow)?,
+            Shape::Offset { of, by } => self.of(of, grow + by)?,
+            Shape::Shell { of, .. } => self.of(of, grow)?,
             Shape::Scaled { of, by } => {
-                let least = by.iter().fold(f64::INFINITY, |least, &factor| least.min(factor));
-                let own = self.of(of, grow / least);
+                let own = self.of(of, grow / build::least(*by))?;
                 let scaled = |c: [f64; 3]| [0, 1, 2].map(|k| c[k] * by[k]);
                 Aabb { min: scaled(own.min), max: scaled(own.max) }
             }
             Shape::Mirrored { of, normal } => {
                 let n = vector::unit(*normal).unwrap_or([0.0; 3]);
-                let row =
-                    |i: usize| [0, 1, 2].map(|j| f64::from(u8::from(i == j)) - 2.0 * n[i] * n[j]);
-                mapped(self.of(of, grow), [row(0), row(1), row(2)], [0.0; 3])
+                mapped(self.of(of, grow)?, build::reflection(n), [0.0; 3])
             }
             Shape::Rotated { of, degrees } => {
-                mapped(self.of(of, grow), build::rotation(*degrees), [0.0; 3])
+                mapped(self.of(of, grow)?, build::rotation(*degrees), [0.0; 3])
             }
-            Shape::Moved { of, by } => mapped(self.of(of, grow), build::IDENTITY, *by),
-            Shape::Repeated { of, array } => self.repeated(of, array, grow),
-        }
+            Shape::Moved { of, by } => mapped(self.of(of, grow)?, build::IDENTITY, *by),
+            Shape::Repeated { of, array } => self.repeated(of, array, grow)?,
+        };
+        self.depth -= 1;
+        Ok(found)
     }
 
-    fn part(&mut self, name: &'m str, grow: f64) -> Aabb {
+    fn look(&mut self, more: usize) -> Result<(), ShapeFault> {
+        self.looks = self.looks.saturating_add(more);
+        if self.looks > build::MOST_LOOKS { Err(ShapeFault::TooLarge) } else { Ok(()) }
+    }
+
+    fn part(&mut self, name: &'m str, grow: f64) -> Result<Aabb, ShapeFault> {
         let key = (name, grow.to_bits());
         if let Some(&known) = self.known.get(&key) {
-            return known;
+            return Ok(known);
         }
-        let found = self.parts.get(name).map_or(EVERYWHERE, |shape| self.of(shape, grow));
+        let Some(shape) = self.parts.get(name) else { return Ok(EVERYWHERE) };
+        let found = self.of(shape, grow)?;
         self.known.insert(key, found);
-        found
+        Ok(found)
     }
 
-    fn combined(&mut self, how: Combination, of: &'m [Shape], blend: f64, grow: f64) -> Aabb {
+    fn combined(
+        &mut self,
+        how: Combination,
+        of: &'m [Shape],
+        blend: f64,
+        grow: f64,
+    ) -> Result<Aabb, ShapeFault> {
         match how {
             Combination::Union => {
                 let grow = grow + 0.25 * blend * (of.len() as f64 - 1.0);
-                of.iter().fold(NOWHERE, |all, shape| both(all, self.of(shape, grow)))
+                of.iter().try_fold(NOWHERE, |all, shape| Ok(both(all, self.of(shape, grow)?)))
             }
             Combination::Intersection => {
-                of.iter().fold(EVERYWHERE, |all, shape| common(all, self.of(shape, grow)))
+                of.iter().try_fold(EVERYWHERE, |all, shape| Ok(common(all, self.of(shape, grow)?)))
             }
-            Combination::Difference => of.first().map_or(NOWHERE, |shape| self.of(shape, grow)),
+            Combination::Difference => of.first().map_or(Ok(NOWHERE), |shape| self.of(shape, grow)),
         }
     }
 
-    fn repeated(&mut self, of: &'m Shape, array: &Array, grow: f64) -> Aabb {
-        let own = self.of(of, grow);
+    fn repeated(&mut self, of: &'m Shape, array: &Array, grow: f64) -> Result<Aabb, ShapeFault> {
+        let own = self.of(of, grow)?;
         let copies = array.copies();
-        copies.iter().fold(NOWHERE, |all, (rows, by)| both(all, mapped(own, *rows, *by)))
+        self.look(copies.len())?;
+        Ok(copies.iter().fold(NOWHERE, |all, (rows, by)| both(all, mapped(own, *rows, *by))))
     }
 }
 
@@ -111,7 +135,11 @@ fn around_origin(half: [f64; 3], grow: f64) -> Aabb {
 }
 
 fn both(a: Aabb, b: Aabb) -> Aabb {
-    a.with(b.min).with(b.max)
+    match (is_empty(a), is_empty(b)) {
+        (true, _) => b,
+        (_, true) => a,
+        _ => a.with(b.min).with(b.max),
+    }
 }
 
 fn common(a: Aabb, b: Aabb) -> Aabb {

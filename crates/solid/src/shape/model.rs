@@ -87,6 +87,7 @@ impl Model {
             build.unused(name, point)?;
         }
         let extent = Extents::new(&self.part).of(&self.shape, 0.0);
+        let extent = extent.map_err(|fault| ShapeError { place: "shape".into(), fault })?;
         if let Some(Region { from, to }) = self.bounds {
             let is_box = (0..3).all(|k| from[k] < to[k] && (to[k] - from[k]).is_finite());
             if !is_box {

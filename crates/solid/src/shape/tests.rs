@@ -158,7 +158,7 @@ proptest! {
     #[test]
     fn nothing_of_a_shape_is_outside_of_its_box(shape in trees(false), all in points(60)) {
         let solid = solid(&shape);
-        let extent = super::extent::Extents::new(&Default::default()).of(&shape, 0.0);
+        let extent = super::extent::Extents::new(&Default::default()).of(&shape, 0.0).unwrap();
         for p in all {
             let is_within = (0..3).all(|k| extent.min[k] - 1e-9 <= p[k] && p[k] <= extent.max[k] + 1e-9);
             assert!(is_within || solid.value(p) < 1e-9, "{p:?} is not in {extent:?}: {shape:?}");
@@ -179,6 +179,35 @@ fn a_lattice_holds_the_shape_and_two_samples_around_it() {
             assert!((1.5 - 1e-9..2.0).contains(&around), "{around}");
         }
     }
+}
+
+#[test]
+fn what_is_empty_adds_nothing_to_a_box() {
+    let ball = Shape::Sphere { radius: 1.0 };
+    let gone = Shape::Offset { of: ball.clone().into(), by: -2.0 };
+    for union in [ball.clone().union(gone.clone()), gone.clone().union(ball.clone())] {
+        assert_eq!(solid(&union).bounds(), solid(&ball).bounds());
+    }
+    let copies = Array::Linear { count: 3, step: [5.0, 0.0, 0.0], center: false };
+    for nothing in [gone.clone().union(gone.clone()), gone.repeated(copies)] {
+        let says = solid(&nothing).grid([1.0; 3]).unwrap_err().to_string();
+        assert!(says.contains("nothing is left"), "{says}");
+    }
+}
+
+#[test]
+fn where_a_formula_has_no_number_sets_are_what_they_are_in_any_order() {
+    let ball = Shape::Sphere { radius: 1.0 };
+    let half = Shape::Formula("sqrt(x) - 0.2".parse().unwrap());
+    let (without, with) = ([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]);
+    for (a, b) in [(&ball, &half), (&half, &ball)] {
+        let both = solid(&a.clone().intersection(b.clone()));
+        assert!(both.value(without) < 0.0 && both.value(with) > 0.0);
+        let any = solid(&a.clone().combined(Combination::Union, b.clone(), 0.1));
+        assert!(any.value(without) == 0.5 && any.value([-2.0, 0.0, 0.0]) < 0.0);
+    }
+    let rest = solid(&ball.difference(half));
+    assert!(rest.value(without) == 0.5 && rest.value(with) < 0.0);
 }
 
 #[test]

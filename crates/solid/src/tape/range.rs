@@ -39,7 +39,10 @@ impl Range {
 
     /// A little wider: for functions that are not rounded to the nearest.
     fn wider(self) -> Self {
-        let margin = |x: f64| x.abs() * (8.0 * f64::EPSILON) + f64::MIN_POSITIVE;
+        let margin = |x: f64| match x.is_finite() {
+            true => x.abs() * (8.0 * f64::EPSILON) + f64::MIN_POSITIVE,
+            false => 0.0,
+        };
         Self { low: self.low - margin(self.low), high: self.high + margin(self.high), ..self }
     }
 

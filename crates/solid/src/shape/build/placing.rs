@@ -52,6 +52,16 @@ pub(super) fn transposed(rows: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[j][i]))
 }
 
+/// The mirror image in the plane across a direction that is one long.
+pub(crate) fn reflection(n: [f64; 3]) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| f64::from(u8::from(i == j)) - 2.0 * n[i] * n[j]))
+}
+
+/// The least factor: by so much at least lengths grow.
+pub(crate) fn least(by: [f64; 3]) -> f64 {
+    by.into_iter().fold(f64::INFINITY, f64::min)
+}
+
 /// The rotation about x, then y, then z, row by row. Exact for quarter turns.
 pub(crate) fn rotation(degrees: [f64; 3]) -> [[f64; 3]; 3] {
     let mut all = IDENTITY;

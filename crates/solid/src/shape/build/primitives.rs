@@ -132,7 +132,11 @@ impl Build<'_> {
                     None => Ok(value),
                 }
             }
-            Shape::Formula(ref formula) => formula.build(&mut self.builder, p),
+            // What is no number is outside: the first operand of a maximum is chosen only if it is greater.
+            Shape::Formula(ref formula) => {
+                let value = formula.build(&mut self.builder, p)?;
+                self.builder.with(Binary::Max, value, f64::NEG_INFINITY)
+            }
             _ => unreachable!("shapes of others are made elsewhere, and planes"),
         }
     }

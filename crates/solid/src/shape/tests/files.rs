@@ -103,6 +103,11 @@ fn numbers_out_of_range_are_refused_with_their_place_in_the_tree() {
             "[shape]\npart = \"a\"\n[part.a]\nunion = [\"b\"]\n[part.b]\nunion = [\"a\"]",
             "part.b.union[0]: a part is made of itself: a of b of a",
         ),
+        ("[shape]\nsphere = { radius = 1e-200 }", "expected a size from 1e-100 to 1e100"),
+        (
+            "[shape]\nsphere = { radius = 1 }\narray = { count = 3, about = \"z\", turn = 1e308 }",
+            "shape.array.turn: expected a size",
+        ),
         ("[shape]\ngyroid = { cell = 1 }", "shape: it has no end along x"),
         ("[shape]\nplane = { normal = \"z\" }", "it has no end along x"),
         ("[shape]\nsphere = { radius = 1 }\noffset = -2", "shape: nothing is left of it"),
@@ -142,6 +147,32 @@ fn parts_of_parts_of_parts_take_no_time() {
         );
     }
     assert!(refusal(&text).contains("this takes more than"));
+}
+
+#[test]
+fn what_would_be_looked_at_without_an_end_is_refused() {
+    let ball = "[shape]\npart = \"p40\"\n[part.p0]\nsphere = { radius = 1 }\n";
+    // Each offset is another, so that no box is known from before.
+    let mut text = ball.to_owned();
+    for n in 1..=40 {
+        let (m, by) = (n - 1, 0.5_f64.powi(n));
+        text += &format!("[part.p{n}]\nunion = [\"p{m}\", {{ part = \"p{m}\", offset = {by} }}]\n");
+    }
+    assert!(refusal(&text).contains("this takes more than"));
+    // Copies that are all in one place make no new step.
+    let copies = Array::Linear { count: 100_000, step: [0.0; 3], center: false };
+    let ball = Shape::Sphere { radius: 1.0 };
+    let all = ball.repeated(copies).repeated(copies).repeated(copies);
+    assert!(Model::from(all).build().unwrap_err().to_string().contains("this takes more than"));
+    // Parts that were made already hide how deep they are.
+    let mut text = "[part.p0]\nsphere = { radius = 1 }\n".to_owned();
+    for n in 1..=30_000 {
+        text += &format!("[part.p{n}]\npart = \"p{}\"\n", n - 1);
+    }
+    let first: Vec<_> = (1..=300).map(|n| format!("\"p{}\"", 100 * n)).collect();
+    text +=
+        &format!("[shape]\nunion = [{}, {{ part = \"p30000\", offset = 1 }}]\n", first.join(", "));
+    assert!(refusal(&text).contains("within each other"));
 }
 
 #[test]
