@@ -3,7 +3,7 @@
 //! What a row has is kept for the next one, and with AVX-512 a register has the same word of all eight planes, so that none
 //! of its lanes is idle, however short rows are. Eight isovalues take 2.2 to 2.4 times as long as one on one thread, and 1.6
 //! to 1.8 times on two; planes one after another 2.8 and 2.1 times (row `many` of `scripts/bench`, EPYC, Zen 4, November
-//! 2026). At other levels planes are taken apart, which is slow: there callers keep them apart.
+//! 2026; the machine was not idle, and was for the latter). At other levels planes are taken apart, which is slow: there callers keep them apart.
 
 use super::{Layer, Rows};
 use crate::Level;
