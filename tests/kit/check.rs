@@ -176,7 +176,12 @@ mod tests {
 
     fn census(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Census {
         let positions = Positions::F32(corners.to_vec());
-        Census::of(&TriMesh { positions, normals: None, triangles: triangles.to_vec() })
+        Census::of(&TriMesh {
+            positions,
+            normals: None,
+            triangles: triangles.to_vec(),
+            ..TriMesh::default()
+        })
     }
 
     fn tetrahedron(first: u32) -> [[u32; 3]; 4] {

@@ -111,7 +111,7 @@ pub fn best_by_offsets(
     }
     let moved = |n: usize| std::array::from_fn(|k| vertices[n][k] + d[n] * normals[n][k]);
     let positions = Positions::F64((0..vertices.len()).map(moved).collect());
-    TriMesh { positions, normals: None, triangles: mesh.triangles.clone() }
+    TriMesh { positions, normals: None, triangles: mesh.triangles.clone(), ..TriMesh::default() }
 }
 
 fn mixed(corners: [Vector; 3], shares: Vector) -> Vector {
@@ -157,7 +157,8 @@ mod tests {
         };
         let corners = [0.0, 1.0, 2.0].map(corner).map(|[x, y]| [x, y, height]);
         let positions = Positions::F64(corners.to_vec());
-        let mesh = TriMesh { positions, normals: None, triangles: vec![[0, 1, 2]] };
+        let mesh =
+            TriMesh { positions, normals: None, triangles: vec![[0, 1, 2]], ..TriMesh::default() };
         let length = |p: [f64; 3]| p.iter().map(|c| c * c).sum::<f64>().sqrt();
         let depth = |p| radius - length(p);
         let normal = |p| {

@@ -30,7 +30,7 @@ pub use spool::{MeshSpool, SpoolSink};
 use crate::{Format, Output, WriteError, WriteFault};
 use isokit_geom::{Space, Unit};
 use isokit_job::Job;
-use isokit_mesh::{Rgba, Surface};
+use isokit_mesh::{Attributes, Rgba, Surface};
 use std::{
     io::Write,
     path::{Path, PathBuf},
@@ -84,6 +84,7 @@ pub fn write_mesh(
     let format = format_of(path).map_err(|fault| fault.at(path))?;
     sound::check(surfaces).map_err(|fault| fault.at(path))?;
     let mut written = Written::default();
+    report_lost(format, surfaces, &mut written);
     match format {
         Format::Gltf => gltf::write_gltf(path, surfaces, context, job, &mut written)?,
         Format::Obj => obj::write_with_materials(path, surfaces, context, job, &mut written)?,
@@ -131,8 +132,33 @@ pub fn write_mesh_to(
 ) -> Result<Written, WriteFault> {
     sound::check(surfaces)?;
     let mut written = Written::default();
+    report_lost(format, surfaces, &mut written);
     put(out, format, surfaces, context, job, &mut written)?;
     Ok(written)
+}
+
+/// Says what vertices carry that the format has no place for.
+fn report_lost(format: Format, surfaces: &[Surface], written: &mut Written) {
+    let lost = |surface: &Surface| {
+        let Attributes { values, colors } = &surface.mesh.attributes;
+        match format {
+            Format::Stl => [values.is_some(), colors.is_some()],
+            Format::Obj => [values.is_some(), false],
+            _ => [false, false],
+        }
+    };
+    for surface in surfaces {
+        let name = &surface.name;
+        let lost = match lost(surface) {
+            [false, false] => continue,
+            [true, false] => "values",
+            [false, true] => "colours",
+            [true, true] => "values and colours",
+        };
+        let other = if format == Format::Stl { ".ply and .glb do" } else { ".ply does" };
+        let says = format!("surface {name:?}: {format} holds no {lost} of vertices; {other}");
+        written.warnings.push(says);
+    }
 }
 
 /// The mesh format that a name ends in.

@@ -7,7 +7,7 @@ use std::{array, collections::BTreeMap, num::NonZeroUsize};
 /// A mesh with f64 positions.
 pub(crate) fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriMesh {
     let (positions, triangles) = (Positions::F64(positions.to_vec()), triangles.to_vec());
-    TriMesh { positions, normals: None, triangles }
+    TriMesh { positions, normals: None, triangles, ..TriMesh::default() }
 }
 
 /// A mesh whose vertices nobody asks the place of: on a curve of which no three points are on a line.

@@ -1,6 +1,6 @@
 //! How a surface is kept.
 
-use crate::{Counts, MeshSink, Piece, PositionsMut};
+use crate::{Attributes, Counts, MeshSink, Piece, PositionsMut};
 use isokit_geom::Aabb;
 use std::{convert::Infallible, mem};
 
@@ -81,6 +81,8 @@ pub struct TriMesh {
     pub normals: Option<Vec<[f32; 3]>>,
     /// Three vertices each, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// What vertices carry besides. Whatever makes new vertices leaves none.
+    pub attributes: Attributes,
 }
 
 impl TriMesh {
@@ -114,12 +116,14 @@ impl TriMesh {
     /// A sink that replaces what the mesh holds and uses its memory again. It takes normals if the mesh
     /// has some, be they none: see [`with_normals`](Self::with_normals).
     pub fn refill(&mut self) -> Refill<'_> {
+        self.attributes = Attributes::default();
         Refill { mesh: self, filled: Counts::default(), is_lent: false, is_guessed: false }
     }
 
     /// Room for a new content in place of the old, in memory that is there or new. Normals as in
     /// [`refill`](Self::refill).
     pub fn renew(&mut self, counts: Counts, precision: Precision) -> Piece<'_> {
+        self.attributes = Attributes::default();
         self.truncate(counts);
         self.room(Counts::default(), counts, precision)
     }

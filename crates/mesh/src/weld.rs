@@ -22,8 +22,8 @@ use std::array;
 /// A mesh after welding, and what that did to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Welded {
-    /// The mesh. Kept vertices are in their old order, with their own position and normal; triangles too
-    /// are in their old order.
+    /// The mesh. Kept vertices are in their old order, with their own position, normal and attributes;
+    /// triangles too are in their old order.
     pub mesh: TriMesh,
     /// How many vertices became one with another.
     pub merged_vertices: u64,
@@ -130,6 +130,7 @@ fn weld(
             },
             normals: mesh.normals.as_ref().map(|all| pick(all, &stay)),
             triangles,
+            attributes: mesh.attributes.pick(&stay),
         },
     })
 }

@@ -46,7 +46,7 @@ pub(crate) fn balance(
     let needed = needed.zip(weights).and_then(|(all, weights)| all.checked_add(weights));
     job.limits.probe(WHAT, needed, 1)?;
     job.progress.begin("balance", 3 * counts.vertices + counts.triangles);
-    let TriMesh { positions, normals, triangles } = mesh;
+    let TriMesh { positions, normals, triangles, .. } = mesh;
     let normals = match normals {
         Some(normals) => &normals[..],
         None => &normals_of_field(positions, ground, job)?,

@@ -97,7 +97,7 @@ pub(crate) fn build(
             Some(longer(old, new.into_iter().flatten(), vertices as usize))
         }
     };
-    Ok((TriMesh { positions, normals, triangles: built }, numbers))
+    Ok((TriMesh { positions, normals, triangles: built, ..TriMesh::default() }, numbers))
 }
 
 /// Some items, and more behind them.
@@ -166,7 +166,12 @@ mod tests {
         let corners = vec![[1.0; 3], [5.0, 1.0, 1.0], [1.0, 6.0, 2.0], [2.0, 1.0, 7.0]];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let normals = Some(vec![[0.0, 0.0, 1.0]; 4]);
-        let mesh = TriMesh { positions: Positions::F32(corners), normals, triangles };
+        let mesh = TriMesh {
+            positions: Positions::F32(corners),
+            normals,
+            triangles,
+            ..TriMesh::default()
+        };
         let (job, surface) = (Job::default(), Isosurface { field: &Unknown, iso: 0.0 });
         let before = topology(&mesh, &job).unwrap();
         let edges = Edges::new(&mesh, &job).unwrap();

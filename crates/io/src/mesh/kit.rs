@@ -42,7 +42,7 @@ pub(super) fn torus(n: u32) -> TriMesh {
     });
     let triangles = triangles.collect();
     let normals = Some(normals.into_iter().map(|normal| normal.map(|c| c as f32)).collect());
-    TriMesh { positions, normals, triangles }
+    TriMesh { positions, normals, triangles, ..TriMesh::default() }
 }
 
 /// The torus as a translucent surface.

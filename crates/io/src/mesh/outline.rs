@@ -26,12 +26,23 @@ pub(super) struct Outline {
     pub(super) counts: Counts,
     pub(super) precision: Precision,
     pub(super) has_normals: bool,
+    pub(super) has_values: bool,
+    pub(super) has_colors: bool,
 }
 
 impl Outline {
     /// How many normals there are.
     pub(super) fn normals(&self) -> u64 {
         if self.has_normals { self.counts.vertices } else { 0 }
+    }
+
+    /// All that is written one by one: vertices, normals, colours, values and triangles.
+    pub(super) fn items(&self) -> u64 {
+        let kinds = 1 + [self.has_normals, self.has_colors, self.has_values]
+            .map(u64::from)
+            .iter()
+            .sum::<u64>();
+        self.counts.vertices * kinds + self.counts.triangles
     }
 }
 
@@ -43,6 +54,8 @@ impl From<&Surface> for Outline {
             counts: mesh.counts(),
             precision: mesh.positions.precision(),
             has_normals: mesh.normals.is_some(),
+            has_values: mesh.attributes.values.is_some(),
+            has_colors: mesh.attributes.colors.is_some(),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Whether surfaces can be written at all.
 
 use crate::WriteFault;
-use isokit_mesh::{Counts, Surface, TriMesh};
+use isokit_mesh::{Attributes, Counts, Surface, TriMesh};
 
-/// Goes on if every index names a vertex and every vertex has a normal or none has.
+/// Goes on if every index names a vertex and every vertex has a normal, a value, a colour, or none has.
 ///
 /// An extractor's or reader's mesh always passes; one made by hand may not, and no writer can go on then.
 pub(super) fn check(surfaces: &[Surface]) -> Result<(), WriteFault> {
@@ -36,13 +36,20 @@ fn flaw(mesh: &TriMesh) -> Option<String> {
     if normals != vertices {
         return Some(format!("{vertices} vertices have {normals} normals"));
     }
+    let Attributes { values, colors } = &mesh.attributes;
+    let lengths =
+        [("values", values.as_ref().map(Vec::len)), ("colours", colors.as_ref().map(Vec::len))];
+    let is_wrong = |(_, length): &(&str, Option<usize>)| length.is_some_and(|n| n != vertices);
+    if let Some((what, Some(length))) = lengths.into_iter().find(is_wrong) {
+        return Some(format!("{vertices} vertices have {length} {what}"));
+    }
     too_few(mesh.counts(), needed(0, &mesh.triangles))
 }
 
 #[cfg(test)]
 mod tests {
     use super::check;
-    use isokit_mesh::{Positions, Surface, TriMesh};
+    use isokit_mesh::{Attributes, Positions, Surface, TriMesh};
 
     #[test]
     fn what_names_no_vertex_is_refused() {
@@ -58,5 +65,8 @@ mod tests {
         assert_eq!(error, r#"surface "a": a triangle names vertex 3 of 3"#);
         let normals = Some(vec![[0.0, 0.0, 1.0]; 2]);
         assert!(check(&surface(TriMesh { normals, ..mesh(2) })).is_err());
+        let attributes = Attributes { values: Some(vec![0.0]), colors: None };
+        let error = check(&surface(TriMesh { attributes, ..mesh(2) })).unwrap_err().to_string();
+        assert_eq!(error, r#"surface "a": 3 vertices have 1 values"#);
     }
 }

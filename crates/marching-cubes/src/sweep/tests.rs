@@ -23,7 +23,7 @@ fn used(vertices: usize, triangles: usize, precision: Precision) -> TriMesh {
         Precision::F64 => Positions::F64(vec![[7.5; 3]; vertices]),
     };
     let (normals, triangles) = (Some(vec![[0.5; 3]; vertices]), vec![[9; 3]; triangles]);
-    TriMesh { positions, normals, triangles }
+    TriMesh { positions, normals, triangles, ..TriMesh::default() }
 }
 
 /// What the passes make.

@@ -56,7 +56,7 @@ fn soup(count: u32, mut state: u64) -> TriMesh {
     };
     let positions = (0..3 * count).map(|_| [next(), next(), next()]).collect();
     let triangles = (0..count).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
-    TriMesh { positions: Positions::F64(positions), normals: None, triangles }
+    TriMesh { positions: Positions::F64(positions), normals: None, triangles, ..TriMesh::default() }
 }
 
 fn painted(mesh: &TriMesh, color: [f32; 3], opacity: f32) -> Painted<'_> {

@@ -52,6 +52,26 @@ impl Accessors<'_> {
         self.elements(index, Type::Vec3)
     }
 
+    /// The colours of an accessor, with or without opacity, in linear light.
+    pub(super) fn colors(&self, index: Index<Accessor>) -> Result<Vec<[f64; 4]>, ReadFault> {
+        let shape = self.root.get(index).map(|accessor| accessor.type_);
+        if shape == Some(Checked::Valid(Type::Vec3)) {
+            let opaque = |[r, g, b]: [f64; 3]| [r, g, b, 1.0];
+            return Ok(self.vectors(index)?.into_iter().map(opaque).collect());
+        }
+        self.elements(index, Type::Vec4)
+    }
+
+    /// The numbers of an accessor of somebody's own; none if it holds something else.
+    pub(super) fn scalars(&self, index: Index<Accessor>) -> Option<Result<Vec<f32>, ReadFault>> {
+        let shape = self.root.get(index).map(|accessor| accessor.type_);
+        if shape.is_some_and(|shape| shape != Checked::Valid(Type::Scalar)) {
+            return None;
+        }
+        let numbers = self.elements::<1>(index, Type::Scalar);
+        Some(numbers.map(|all| all.into_iter().map(|[number]| number as f32).collect()))
+    }
+
     /// The whole numbers of an accessor.
     pub(super) fn indices(&self, index: Index<Accessor>) -> Result<Vec<u32>, ReadFault> {
         let place = Place::Item("accessor", index.value() as u64);

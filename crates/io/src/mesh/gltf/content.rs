@@ -79,6 +79,14 @@ pub(super) fn unit(normal: [f32; 3]) -> [f32; 3] {
     normal.map(|c| (f64::from(c) / square.sqrt()) as f32)
 }
 
+/// Says that there are no values then: glTF has no word for none.
+pub(super) fn report_valueless(count: usize, head: &SurfaceHead, written: &mut Written) {
+    let name = &head.name;
+    written.warnings.push(format!(
+        "surface {name:?}: {count} vertices have no value, for which glTF has no word; written without values"
+    ));
+}
+
 /// Says which surfaces are left out, since nothing of them would be seen.
 pub(super) fn report_unseen<'a>(
     outlines: impl IntoIterator<Item = &'a Outline>,

@@ -23,7 +23,12 @@ use serde_json::{Value, json};
 pub(super) struct Content {
     pub(super) blocks: Blocks,
     pub(super) bounds: Bounds,
+    /// Whether a vertex lets through what is behind it.
+    pub(super) is_translucent: bool,
 }
+
+/// What the numbers of vertices are called; a name of one's own begins with `_` in the file.
+pub(super) const VALUE: &str = "VALUE";
 
 /// Neither a mirror nor chalk.
 const ROUGHNESS: f32 = 0.7;
@@ -77,7 +82,7 @@ fn asset(context: &MeshContext) -> Asset {
 }
 
 fn mesh(root: &mut Root, surface: &SurfaceHead, content: Content) -> Index<Mesh> {
-    let Content { blocks, bounds } = content;
+    let Content { blocks, bounds, is_translucent } = content;
     let vectors = |root: &mut Root, block: Block| {
         let view = view(root, block, Target::ArrayBuffer);
         Accessor {
@@ -92,9 +97,26 @@ fn mesh(root: &mut Root, surface: &SurfaceHead, content: Content) -> Index<Mesh>
         let normals = vectors(root, block);
         attributes.push((Semantic::Normals, root.push(normals)));
     }
+    if let Some(block) = blocks.colors {
+        let view = view(root, block, Target::ArrayBuffer);
+        let colors = accessor(view, block.bytes / 8, ComponentType::U16);
+        let colors = Accessor { type_: Valid(Type::Vec4), normalized: true, ..colors };
+        attributes.push((Semantic::Colors(0), root.push(colors)));
+    }
+    if let Some(block) = blocks.values {
+        let view = view(root, block, Target::ArrayBuffer);
+        let values = accessor(view, block.bytes / 4, ComponentType::F32);
+        attributes.push((Semantic::Extras(VALUE.to_owned()), root.push(values)));
+    }
     let view = view(root, blocks.indices, Target::ElementArrayBuffer);
     let indices = root.push(accessor(view, blocks.indices.bytes / 4, ComponentType::U32));
-    let material = root.push(material(surface));
+    // Colours of vertices are multiplied by that of the material.
+    let color = match blocks.colors {
+        Some(_) => Rgba([u8::MAX; 4]),
+        None => surface.color.unwrap_or(NEUTRAL),
+    };
+    let is_translucent = is_translucent || color.is_translucent();
+    let material = root.push(material(surface, color, is_translucent));
     let primitive = Primitive {
         attributes: attributes.into_iter().map(|(name, index)| (Valid(name), index)).collect(),
         indices: Some(indices),
@@ -141,9 +163,7 @@ fn accessor(view: Index<View>, count: u64, component: ComponentType) -> Accessor
 /// Opaque surfaces are drawn from both sides: one that is open would else have holes where one looks at
 /// its inside, and of a closed one nobody sees the inside. Translucent ones are not, for what lies behind
 /// would be blended in no order.
-fn material(surface: &SurfaceHead) -> Material {
-    let color: Rgba = surface.color.unwrap_or(NEUTRAL);
-    let is_translucent = color.is_translucent();
+fn material(surface: &SurfaceHead, color: Rgba, is_translucent: bool) -> Material {
     Material {
         name: named(surface),
         alpha_mode: Valid(if is_translucent { AlphaMode::Blend } else { AlphaMode::Opaque }),

@@ -9,6 +9,8 @@ pub(super) struct Shape {
     pub(super) vertices: u64,
     pub(super) triangles: u64,
     pub(super) has_normals: bool,
+    pub(super) has_colors: bool,
+    pub(super) has_values: bool,
 }
 
 /// A range of the buffer.
@@ -23,24 +25,32 @@ pub(super) struct Block {
 pub(super) struct Blocks {
     pub(super) positions: Block,
     pub(super) normals: Option<Block>,
+    pub(super) colors: Option<Block>,
+    pub(super) values: Option<Block>,
     pub(super) indices: Block,
 }
 
 /// A vertex, a normal and a triangle are all three numbers of 4 bytes.
 const ITEM: u64 = 12;
+/// A colour is four numbers of 2 bytes.
+const COLOR: u64 = 8;
+/// The number of a vertex.
+const VALUE: u64 = 4;
 
 /// The blocks of all surfaces and the bytes of the buffer. What overflows is `u64::MAX`.
 pub(super) fn layout(shapes: impl IntoIterator<Item = Shape>) -> (Vec<Blocks>, u64) {
     let mut end = 0_u64;
-    let mut block = |items: u64| {
-        let (start, bytes) = (end, items.saturating_mul(ITEM));
+    let mut block = |items: u64, item: u64| {
+        let (start, bytes) = (end, items.saturating_mul(item));
         end = end.saturating_add(bytes);
         Block { start, bytes }
     };
     let blocks = shapes.into_iter().map(|shape| Blocks {
-        positions: block(shape.vertices),
-        normals: shape.has_normals.then(|| block(shape.vertices)),
-        indices: block(shape.triangles),
+        positions: block(shape.vertices, ITEM),
+        normals: shape.has_normals.then(|| block(shape.vertices, ITEM)),
+        colors: shape.has_colors.then(|| block(shape.vertices, COLOR)),
+        values: shape.has_values.then(|| block(shape.vertices, VALUE)),
+        indices: block(shape.triangles, ITEM),
     });
     let blocks = blocks.collect();
     (blocks, end)
@@ -76,11 +86,20 @@ mod tests {
 
     #[test]
     fn blocks_follow_each_other() {
-        let shape = |vertices, triangles, has_normals| Shape { vertices, triangles, has_normals };
+        let shape = |vertices, triangles, has_normals| Shape {
+            vertices,
+            triangles,
+            has_normals,
+            ..Shape::default()
+        };
         let (blocks, end) = layout([shape(3, 1, true), shape(4, 2, false)]);
         assert_eq!(blocks[0].normals, Some(Block { start: 36, bytes: 36 }));
         assert_eq!(blocks[1].positions, Block { start: 84, bytes: 48 });
         assert_eq!((blocks[1].normals, end), (None, 156));
+        let (blocks, end) =
+            layout([Shape { has_colors: true, has_values: true, ..shape(3, 1, false) }]);
+        assert_eq!(blocks[0].colors, Some(Block { start: 36, bytes: 24 }));
+        assert_eq!((blocks[0].values, end), (Some(Block { start: 60, bytes: 12 }), 84));
     }
 
     #[test]
@@ -99,7 +118,8 @@ mod tests {
     #[test]
     fn sizes_that_overflow_are_too_large_and_do_not_panic() {
         for vertices in [200_000_000, u64::MAX / 12, u64::MAX] {
-            let shape = Shape { vertices, triangles: 2 * (vertices / 4), has_normals: true };
+            let triangles = 2 * (vertices / 4);
+            let shape = Shape { vertices, triangles, has_normals: true, ..Shape::default() };
             let (_, buffer) = layout([shape; 3]);
             assert!(check(Format::Glb, 500, buffer).is_err(), "{vertices}");
         }

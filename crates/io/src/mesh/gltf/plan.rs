@@ -11,6 +11,7 @@ use crate::{
     Format, Output, WriteError, WriteFault,
     mesh::{MeshContext, Written, outline::Outline},
 };
+use isokit_mesh::Counts;
 use std::{
     io::Write,
     path::{Path, PathBuf},
@@ -21,6 +22,8 @@ use std::{
 pub(super) struct Part {
     pub(super) outline: Outline,
     pub(super) bounds: Bounds,
+    /// Whether a vertex lets through what is behind it.
+    pub(super) is_translucent: bool,
 }
 
 /// What will be written.
@@ -46,8 +49,9 @@ pub(super) fn is_seen(outline: &&Outline) -> bool {
 }
 
 fn shape(outline: &Outline) -> Shape {
-    let (counts, has_normals) = (outline.counts, outline.has_normals);
-    Shape { vertices: counts.vertices, triangles: counts.triangles, has_normals }
+    let Outline { counts, has_normals, has_colors, has_values, .. } = *outline;
+    let Counts { vertices, triangles } = counts;
+    Shape { vertices, triangles, has_normals, has_colors, has_values }
 }
 
 impl Plan {
@@ -63,7 +67,11 @@ impl Plan {
         let mut blocks = blocks.into_iter();
         let node = |part: &'_ Part| {
             let blocks = if is_seen(&&part.outline) { blocks.next() } else { None };
-            blocks.map(|blocks| Content { blocks, bounds: part.bounds })
+            blocks.map(|blocks| Content {
+                blocks,
+                bounds: part.bounds,
+                is_translucent: part.is_translucent,
+            })
         };
         let contents: Vec<_> = parts.iter().map(node).collect();
         let heads = parts.iter().map(|part| &part.outline.head);

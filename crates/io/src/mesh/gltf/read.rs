@@ -6,6 +6,7 @@ use super::{
     accessor::Accessors,
     buffers::buffers,
     container::Container,
+    document::VALUE,
     scene::{Shown, shown},
     transform::Transform,
 };
@@ -22,7 +23,7 @@ use gltf_json::{
     Asset, Mesh, Root, mesh::Mode, mesh::Primitive, mesh::Semantic, validation::Checked,
 };
 use isokit_geom::{Space, Unit};
-use isokit_mesh::{Positions, Rgba, Surface, TriMesh};
+use isokit_mesh::{Attributes, Positions, Rgba, Surface, TriMesh};
 use serde_json::Value;
 
 /// Reads all surfaces of a file and of the buffers that it names.
@@ -116,8 +117,10 @@ fn add(
     for (number, primitive) in mesh.primitives.iter().enumerate() {
         let name = if number == 0 { name.clone() } else { format!("{name}_{}", number + 1) };
         let color = color(accessors.root, primitive);
-        let color = color.filter(|&color| !(world.is_ours && color == NEUTRAL));
         let mesh = triangles(accessors, world, transform, primitive, place)?;
+        // Of ours, where it only says that there is none.
+        let plain = if mesh.attributes.colors.is_some() { Rgba([u8::MAX; 4]) } else { NEUTRAL };
+        let color = color.filter(|&color| !(world.is_ours && color == plain));
         surfaces.push(Surface { name, color, iso, mesh });
     }
     Ok(())
@@ -125,7 +128,8 @@ fn add(
 
 fn size(mesh: &TriMesh) -> u64 {
     let normals = mesh.normals.as_ref().map_or(0, Vec::len);
-    12 * (mesh.positions.len() + normals + mesh.triangles.len()) as u64
+    let attributes = if mesh.attributes.is_empty() { 0 } else { mesh.positions.len() };
+    12 * (mesh.positions.len() + normals + attributes + mesh.triangles.len()) as u64
 }
 
 fn color(root: &Root, primitive: &Primitive) -> Option<Rgba> {
@@ -147,6 +151,7 @@ fn triangles(
     let positions = accessors.vectors(positions)?;
     let normals = attribute(Semantic::Normals).map(|index| accessors.vectors(index)).transpose()?;
     let count = positions.len();
+    let attributes = attributes(accessors, primitive, place, count)?;
     if let Some(found) = normals.as_ref().map(Vec::len).filter(|&found| found != count) {
         return Err(file.broken(place, format!("{count} normals"), found.to_string()));
     }
@@ -169,7 +174,36 @@ fn triangles(
         positions: Positions::F32(positions.iter().map(placed).collect()),
         normals: normals.map(|normals| normals.iter().map(turned).collect()),
         triangles,
+        attributes,
     })
+}
+
+/// The colours and numbers of vertices. Of a colour, that of the material is a part.
+fn attributes(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    place: Place,
+    count: usize,
+) -> Result<Attributes, ReadFault> {
+    let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+    let material = primitive.material.and_then(|index| accessors.root.get(index));
+    let base = material.map_or([1.0; 4], |it| it.pbr_metallic_roughness.base_color_factor.0);
+    let color =
+        |linear: [f64; 4]| Rgba::from_linear(std::array::from_fn(|k| linear[k] as f32 * base[k]));
+    let colors = match attribute(Semantic::Colors(0)) {
+        Some(index) => Some(accessors.colors(index)?.into_iter().map(color).collect::<Vec<_>>()),
+        None => None,
+    };
+    let values = attribute(Semantic::Extras(VALUE.to_owned()));
+    let values = values.and_then(|index| accessors.scalars(index)).transpose()?;
+    let lengths = [colors.as_ref().map(Vec::len), values.as_ref().map(Vec::len)];
+    match lengths.into_iter().flatten().find(|&length| length != count) {
+        Some(found) => {
+            let expected = format!("{count} colours and values of vertices");
+            Err(accessors.file.broken(place, expected, found.to_string()))
+        }
+        None => Ok(Attributes { values, colors }),
+    }
 }
 
 /// The triangles of a list, a strip or a fan.

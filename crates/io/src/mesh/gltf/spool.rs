@@ -127,7 +127,7 @@ fn parts(format: Format, all: &[Spool], outlines: &[Outline], written: &mut Writ
                 outline.has_normals = false;
             }
         }
-        Part { outline, bounds: spool.bounds }
+        Part { outline, bounds: spool.bounds, is_translucent: false }
     };
     all.iter().zip(outlines).map(part).collect()
 }

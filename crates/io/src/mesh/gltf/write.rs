@@ -2,7 +2,7 @@
 
 use super::{
     Scale,
-    content::{Bounds, Undirected, report_unseen, unit},
+    content::{Bounds, Undirected, report_unseen, report_valueless, unit},
     plan::{Bin, Part, Plan, check, is_seen},
 };
 use crate::{
@@ -16,7 +16,7 @@ use crate::{
     },
 };
 use isokit_job::Job;
-use isokit_mesh::{Positions, Surface};
+use isokit_mesh::{Attributes, Positions, Rgba, Surface};
 use std::{io::Write, path::Path};
 
 /// Writes all surfaces as one GLB.
@@ -79,8 +79,16 @@ fn parts(
                 outline.has_normals = false;
             }
             bounds.take(&mesh.positions, scale, &outline.head, 0)?;
+            let values = mesh.attributes.values.as_deref().unwrap_or_default();
+            let without = values.iter().filter(|value| !value.is_finite()).count();
+            if without > 0 {
+                report_valueless(without, &outline.head, written);
+                outline.has_values = false;
+            }
         }
-        Ok(Part { outline, bounds })
+        let colors = mesh.attributes.colors.as_deref().unwrap_or_default();
+        let is_translucent = colors.iter().any(|color| color.is_translucent());
+        Ok(Part { outline, bounds, is_translucent })
     };
     outlines.into_iter().zip(surfaces).map(part).collect()
 }
@@ -93,14 +101,17 @@ fn put_buffer(
     job: &Job,
 ) -> Result<(), WriteFault> {
     let seen = || parts.iter().map(|part| &part.outline).zip(surfaces).filter(|(o, _)| is_seen(o));
-    let items = seen()
-        .map(|(outline, _)| outline.counts.vertices + outline.normals() + outline.counts.triangles);
+    let items = seen().map(|(outline, _)| outline.items());
     job.progress.begin("write", items.sum());
     for (outline, surface) in seen() {
         let mesh = &surface.mesh;
         put_positions(stream, &mesh.positions, Scale::of(context))?;
         let normals = mesh.normals.as_deref().filter(|_| outline.has_normals);
         put_normals(stream, normals.unwrap_or_default())?;
+        let Attributes { values, colors } = &mesh.attributes;
+        put_colors(stream, colors.as_deref().unwrap_or_default())?;
+        let values = values.as_deref().filter(|_| outline.has_values).unwrap_or_default();
+        stream.items(values, |bytes, value| bytes.extend(value.to_le_bytes()))?;
         put_triangles(stream, &mesh.triangles)?;
     }
     Ok(())
@@ -116,6 +127,14 @@ pub(super) fn put_positions(
 
 pub(super) fn put_normals(stream: &mut Stream<'_>, normals: &[[f32; 3]]) -> Result<(), WriteFault> {
     stream.items(normals.iter().map(|&normal| y_up(unit(normal))), put_f32)
+}
+
+/// Puts colours in linear light, as glTF wants them: sixteen bits, in which every eight of sRGB are apart.
+fn put_colors(stream: &mut Stream<'_>, colors: &[Rgba]) -> Result<(), WriteFault> {
+    let bits = |part: f32| (f64::from(part) * f64::from(u16::MAX)).round() as u16;
+    stream.items(colors, |bytes, color| {
+        color.to_linear().into_iter().for_each(|part| bytes.extend(bits(part).to_le_bytes()));
+    })
 }
 
 pub(super) fn put_triangles(

@@ -3,7 +3,7 @@
 use crate::ReadFault;
 use isokit_geom::Aabb;
 use isokit_job::Job;
-use isokit_mesh::{Positions, Rgba, TriMesh};
+use isokit_mesh::{Attributes, Positions, Rgba, TriMesh};
 use std::ops::Range;
 
 /// An object as it stands in the file.
@@ -39,7 +39,7 @@ impl Object {
     pub(super) fn mesh(
         &self,
         own: Range<usize>,
-        positions: &[[f64; 3]],
+        (positions, colors): (&[[f64; 3]], &[Option<Rgba>]),
         normals: &[[f32; 3]],
         is_ours: bool,
         job: &Job,
@@ -66,6 +66,17 @@ impl Object {
         all.extend(low.iter().map(pick));
         all.extend_from_slice(&positions[own.clone()]);
         all.extend(high.iter().map(pick));
+        // All have a colour, or none has.
+        let numbers = || {
+            let [low, high] = [low, high].map(|all| all.iter().map(|&vertex| vertex as usize));
+            low.chain(own.clone()).chain(high)
+        };
+        let color = |vertex: usize| colors.get(vertex).copied().flatten();
+        let colors = match numbers().next().and_then(color) {
+            Some(_) => numbers().map(color).collect::<Option<Vec<_>>>(),
+            None => None,
+        };
+        let attributes = Attributes { values: None, colors };
         let triangles = self.faces.iter().map(|face| face.map(|corner| renamed(corner.vertex)));
         let triangles = triangles.collect();
         let needs_f64 = if is_ours { self.is_f64 } else { is_far(&all) };
@@ -76,7 +87,7 @@ impl Object {
             false => Positions::F32(all.iter().map(|xyz| xyz.map(|c| c as f32)).collect()),
         };
         let normals = normals.filter(|normals| !normals.is_empty());
-        Ok((TriMesh { positions, normals, triangles }, has_split))
+        Ok((TriMesh { positions, normals, triangles, attributes }, has_split))
     }
 
     /// One normal for each vertex; none at all if some corner has none, `None` if two corners disagree.

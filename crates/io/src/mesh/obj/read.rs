@@ -33,7 +33,7 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
         content.take(file, statement)?;
     }
     content.check(file)?;
-    let Content { positions, normals, objects, facts, libraries, .. } = content;
+    let Content { positions, colors: painted, normals, objects, facts, libraries, .. } = content;
     let mut notes = vec![];
     let library = colors(file, &libraries, &mut notes);
     let counts = [positions.len(), normals.len()];
@@ -45,7 +45,8 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
     let mut surfaces = vec![];
     for (object, end) in objects.iter().zip(ends).filter(|(object, _)| is_object(object)) {
         let own = object.first_vertex..end;
-        let (mesh, has_split) = object.mesh(own, &positions, &normals, facts.is_ours, file.job)?;
+        let (mesh, has_split) =
+            object.mesh(own, (&positions, &painted), &normals, facts.is_ours, file.job)?;
         let name = object.name.clone().unwrap_or_else(|| file.stem());
         if has_split {
             notes.push(format!("{name}: normals differ within a vertex; left out"));
@@ -110,6 +111,8 @@ fn is_remark(line: &str) -> bool {
 struct Content {
     /// In z up; f64 until it is clear whether that is needed.
     positions: Vec<[f64; 3]>,
+    /// As many as vertices up to the last that has one.
+    colors: Vec<Option<Rgba>>,
     normals: Vec<[f32; 3]>,
     objects: Vec<Object>,
     facts: Facts,
@@ -139,6 +142,10 @@ impl Content {
                     false => word.parse().ok(),
                 });
                 self.positions.push(z_up(xyz.ok_or_else(|| broken("three coordinates"))?));
+                if let Some(color) = color(rest) {
+                    self.colors.resize(self.positions.len() - 1, None);
+                    self.colors.push(Some(color));
+                }
             }
             "vn" => {
                 let xyz = numbers(rest, |word| word.parse::<f32>().ok());
@@ -243,6 +250,15 @@ impl Content {
         }
         Ok(())
     }
+}
+
+/// The colour behind the coordinates of a vertex: three numbers from 0 to 1.
+fn color(text: &str) -> Option<Rgba> {
+    let mut words = text.split_whitespace().skip(3);
+    let mut part = || words.next()?.parse::<f64>().ok().filter(|part| part.is_finite());
+    let [r, g, b] = [part()?, part()?, part()?].map(|part| (part * 255.0).round() as u8);
+    // Seven numbers are a weight and a colour, and nobody writes them.
+    words.next().is_none().then_some(Rgba([r, g, b, u8::MAX]))
 }
 
 /// The first three numbers; a weight or a colour may follow.

@@ -12,7 +12,7 @@ use crate::{
     },
 };
 use isokit_job::Job;
-use isokit_mesh::{Positions, Precision, Surface};
+use isokit_mesh::{Positions, Precision, Rgba, Surface};
 use std::{
     fmt::Display,
     io::Write,
@@ -104,7 +104,10 @@ fn put_all(
     for (surface, title) in surfaces.iter().zip(titles(&outlines, library)) {
         stream.put(title.text.as_bytes());
         let mesh = &surface.mesh;
-        put_vertices(&mut stream, &mesh.positions)?;
+        match &mesh.attributes.colors {
+            Some(colors) => put_colored(&mut stream, &mesh.positions, colors)?,
+            None => put_vertices(&mut stream, &mesh.positions)?,
+        }
         put_normals(&mut stream, mesh.normals.as_deref().unwrap_or_default())?;
         put_faces(&mut stream, &mesh.triangles, title.first)?;
     }
@@ -171,6 +174,25 @@ pub(super) fn put_vertices(
         Positions::F32(all) => stream.items(all, |bytes, &xyz| put(bytes, "v", y_up(xyz))),
         Positions::F64(all) => stream.items(all, |bytes, &xyz| put(bytes, "v", y_up(xyz))),
     }
+}
+
+/// Puts vertices with colours behind them, from 0 to 1 in sRGB, as most readers take them; there is no opacity.
+fn put_colored(
+    stream: &mut Stream<'_>,
+    positions: &Positions,
+    colors: &[Rgba],
+) -> Result<(), WriteFault> {
+    stream.items(0..positions.len(), |bytes, vertex| {
+        match positions {
+            Positions::F32(all) => put(bytes, "v", y_up(all[vertex])),
+            Positions::F64(all) => put(bytes, "v", y_up(all[vertex])),
+        }
+        bytes.pop(); // the end of the line, which is not yet there
+        let Rgba([r, g, b, _]) = colors[vertex];
+        let [r, g, b] = [r, g, b].map(|byte| f32::from(byte) / 255.0);
+        // Writing to memory does not fail.
+        let _ = writeln!(bytes, " {r} {g} {b}");
+    })
 }
 
 pub(super) fn put_normals(stream: &mut Stream<'_>, normals: &[[f32; 3]]) -> Result<(), WriteFault> {

@@ -1,6 +1,7 @@
 //! Reads PLY: vertices and faces are kept, all other elements and properties passed over.
 
 use super::{
+    COLORS, VALUE,
     header::{Element, Header, Number, Property},
     values::Values,
 };
@@ -9,7 +10,7 @@ use crate::{
     mesh::input::{MeshFile, MeshInput, NO_UNIT, fan},
 };
 use isokit_geom::Unit;
-use isokit_mesh::{Positions, Surface, TriMesh};
+use isokit_mesh::{Attributes, Positions, Rgba, Surface, TriMesh};
 
 /// Reads the one surface of a file.
 pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> {
@@ -31,7 +32,7 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
     }
     let end = Place::Line(header.lines);
     let nothing = || file.broken(end, "an element named vertex", "none");
-    let Vertices { positions, normals } = vertices.ok_or_else(nothing)?;
+    let Vertices { positions, normals, attributes } = vertices.ok_or_else(nothing)?;
     faces.check(file, positions.len())?;
     let facts = header.facts;
     let unnamed = || if facts.is_ours { String::new() } else { file.stem() };
@@ -39,7 +40,7 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
         name: facts.name.clone().unwrap_or_else(unnamed),
         color: facts.color,
         iso: facts.iso,
-        mesh: TriMesh { positions, normals, triangles: faces.triangles },
+        mesh: TriMesh { positions, normals, triangles: faces.triangles, attributes },
     };
     let notes = if facts.unit == Unit::Unknown { vec![NO_UNIT.to_owned()] } else { vec![] };
     let (format, unit, space) = (file.format, facts.unit, facts.space);
@@ -49,6 +50,7 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
 struct Vertices {
     positions: Positions,
     normals: Option<Vec<[f32; 3]>>,
+    attributes: Attributes,
 }
 
 impl Vertices {
@@ -57,7 +59,10 @@ impl Vertices {
         values: &mut Values<'_>,
         element: &Element,
     ) -> Result<Self, ReadFault> {
-        const NAMES: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
+        const NAMES: [&str; 11] = {
+            let ([r, g, b, a], value) = (COLORS, VALUE);
+            ["x", "y", "z", "nx", "ny", "nz", r, g, b, a, value]
+        };
         // Which coordinate each property is, if any.
         let slot = |property: &Property| {
             let is_list = property.length.is_some();
@@ -70,6 +75,7 @@ impl Vertices {
             return Err(file.broken(element.place, "vertices with x, y and z", found));
         }
         let has_normals = (3..6).all(has);
+        let (has_colors, has_values) = ((6..9).all(has), has(10));
         let is_double = element.properties.iter().zip(&slots).any(|(property, slot)| {
             property.number == Number::F64 && slot.is_some_and(|slot| slot < 3)
         });
@@ -81,16 +87,28 @@ impl Vertices {
             false => narrow = limits.vec("vertices", count)?,
         }
         let mut normals = limits.vec("normals", count.filter(|_| has_normals).or(Some(0)))?;
+        let mut colors = limits.vec("colours", count.filter(|_| has_colors).or(Some(0)))?;
+        let mut numbers = limits.vec("values", count.filter(|_| has_values).or(Some(0)))?;
         for number in 0..element.count as usize {
             file.pace(number)?;
-            let mut vertex = [0.0; 6];
+            let mut vertex = [0.0; 11];
+            vertex[9] = 255.0; // opaque, if nobody says
             for (property, slot) in element.properties.iter().zip(&slots) {
                 match slot {
+                    Some(slot @ 6..10) => {
+                        vertex[*slot] = byte(values.next(property.number)?, property.number);
+                    }
                     Some(slot) => vertex[*slot] = values.next(property.number)?,
                     None => skip_one(values, property)?,
                 }
             }
-            let [x, y, z, nx, ny, nz] = vertex;
+            let [x, y, z, nx, ny, nz, r, g, b, a, value] = vertex;
+            if has_colors {
+                colors.push(Rgba([r, g, b, a].map(|c| c as u8)));
+            }
+            if has_values {
+                numbers.push(value as f32);
+            }
             match is_double {
                 true => wide.push([x, y, z]),
                 false => narrow.push([x, y, z].map(|c| c as f32)),
@@ -100,8 +118,24 @@ impl Vertices {
             }
         }
         let positions = if is_double { Positions::F64(wide) } else { Positions::F32(narrow) };
-        Ok(Self { positions, normals: has_normals.then_some(normals) })
+        let attributes = Attributes {
+            values: has_values.then_some(numbers),
+            colors: has_colors.then_some(colors),
+        };
+        Ok(Self { positions, normals: has_normals.then_some(normals), attributes })
     }
+}
+
+/// A part of a colour as a byte: whole numbers of a byte are one, of more bytes a part of their range, others a
+/// part of 1.
+fn byte(number: f64, kind: Number) -> f64 {
+    let whole = match kind {
+        Number::I8 | Number::U8 => 255.0,
+        Number::I16 | Number::U16 => f64::from(u16::MAX),
+        Number::I32 | Number::U32 => f64::from(u32::MAX),
+        Number::F32 | Number::F64 => 1.0,
+    };
+    (number / whole * 255.0).round().clamp(0.0, 255.0)
 }
 
 #[derive(Default)]

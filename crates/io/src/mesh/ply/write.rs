@@ -1,5 +1,6 @@
 //! Writes binary PLY.
 
+use super::{COLORS, VALUE};
 use crate::{
     Output, WriteFault,
     mesh::{
@@ -10,7 +11,7 @@ use crate::{
     },
 };
 use isokit_job::Job;
-use isokit_mesh::{Positions, Precision, Surface, TriMesh};
+use isokit_mesh::{Attributes, Positions, Precision, Surface, TriMesh};
 use std::io::{self, Write};
 
 /// Writes one surface.
@@ -79,6 +80,21 @@ fn put_each<T: Copy>(
     mesh: &TriMesh,
     put: impl Fn(&mut Vec<u8>, T),
 ) -> Result<(), WriteFault> {
+    let Attributes { values, colors } = &mesh.attributes;
+    if !mesh.attributes.is_empty() {
+        return stream.items(0..positions.len(), |bytes, vertex| {
+            put(bytes, positions[vertex]);
+            if let Some(normals) = &mesh.normals {
+                put_f32(bytes, normals[vertex]);
+            }
+            if let Some(colors) = colors {
+                bytes.extend(colors[vertex].0);
+            }
+            if let Some(values) = values {
+                bytes.extend(values[vertex].to_le_bytes());
+            }
+        });
+    }
     match &mesh.normals {
         None => stream.items(positions, |bytes, &xyz| put(bytes, xyz)),
         Some(normals) => stream.items(positions.iter().zip(normals), |bytes, (&xyz, &normal)| {
@@ -108,6 +124,12 @@ fn header(outline: &Outline, context: &MeshContext) -> String {
     lines.extend(["x", "y", "z"].map(|name| format!("property {float} {name}")));
     if outline.has_normals {
         lines.extend(["nx", "ny", "nz"].map(|name| format!("property float {name}")));
+    }
+    if outline.has_colors {
+        lines.extend(COLORS.map(|name| format!("property uchar {name}")));
+    }
+    if outline.has_values {
+        lines.push(format!("property float {VALUE}"));
     }
     lines.push(format!("element face {}", outline.counts.triangles));
     // Every reader knows `int`; `uint` is taken where it is needed.

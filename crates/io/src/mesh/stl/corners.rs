@@ -37,7 +37,7 @@ impl Corners {
     pub(super) fn finish(self) -> (TriMesh, u64) {
         let shared = 3 * self.triangles.len() - self.positions.len();
         let (positions, triangles) = (Positions::F32(self.positions), self.triangles);
-        (TriMesh { positions, normals: None, triangles }, shared as u64)
+        (TriMesh { positions, normals: None, triangles, ..TriMesh::default() }, shared as u64)
     }
 
     fn vertex(&mut self, xyz: [f32; 3]) -> u32 {

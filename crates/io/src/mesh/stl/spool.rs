@@ -123,7 +123,7 @@ mod tests {
         for piece in 0..100_u32 {
             let positions = Positions::F32(vec![[piece as f32; 3]; 10]);
             let triangles = vec![[10 * piece, 10 * piece + 1, 10 * piece + 10]; 20];
-            let mut piece = TriMesh { positions, normals: None, triangles };
+            let mut piece = TriMesh { positions, normals: None, triangles, ..TriMesh::default() };
             spool.take(&mut piece, &Outline::default(), &Job::default()).unwrap();
         }
         assert_eq!((spool.places.len(), spool.waiting.len()), (20, 20));

@@ -9,7 +9,7 @@ use crate::{
     },
 };
 use isokit_geom::{Space, Unit};
-use isokit_mesh::{Positions, Rgba, Surface, TriMesh};
+use isokit_mesh::{Attributes, Positions, Rgba, Surface, TriMesh};
 use proptest::{collection::vec, option, prelude::*};
 use std::slice::from_ref;
 
@@ -25,9 +25,20 @@ fn mesh() -> impl Strategy<Value = TriMesh> {
         let normal = prop::array::uniform3(-1.0_f32..1.0);
         let normals = option::of(vec(normal, count));
         let corners = prop::array::uniform3(0..count as u32);
-        (positions(count), normals, vec(corners, 1..30))
-            .prop_map(|(positions, normals, triangles)| TriMesh { positions, normals, triangles })
+        let parts = (positions(count), normals, vec(corners, 1..30), attributes(count));
+        parts.prop_map(|(positions, normals, triangles, attributes)| TriMesh {
+            positions,
+            normals,
+            triangles,
+            attributes,
+        })
     })
+}
+
+fn attributes(count: usize) -> impl Strategy<Value = Attributes> {
+    let values = option::of(vec(prop::num::f32::NORMAL | prop::num::f32::ZERO, count));
+    let colors = option::of(vec(any::<[u8; 4]>().prop_map(Rgba), count));
+    (values, colors).prop_map(|(values, colors)| Attributes { values, colors })
 }
 
 fn surface() -> impl Strategy<Value = Surface> {
@@ -96,6 +107,10 @@ proptest! {
             prop_assert_eq!(&found.mesh.positions, &surface.mesh.positions);
             prop_assert_eq!(&found.mesh.triangles, &surface.mesh.triangles);
             prop_assert_eq!(found.mesh.normals.is_some(), surface.mesh.normals.is_some());
+            let opaque = |Rgba([r, g, b, _]): Rgba| Rgba([r, g, b, 255]);
+            let colors = surface.mesh.attributes.colors.clone();
+            let colors = colors.map(|all| all.into_iter().map(opaque).collect());
+            prop_assert_eq!(&found.mesh.attributes, &Attributes { values: None, colors });
             prop_assert_eq!(&found.name, &line(&surface));
             prop_assert_eq!((found.color, found.iso), (surface.color, surface.iso));
         }
@@ -122,6 +137,7 @@ proptest! {
             prop_assert_eq!(&found.name, &surface.name);
             prop_assert_eq!(&found.mesh.triangles, &surface.mesh.triangles);
             prop_assert_eq!(found.iso, surface.iso);
+            prop_assert_eq!(&found.mesh.attributes, &surface.mesh.attributes);
             let pairs = found.mesh.positions.iter().zip(surface.mesh.positions.iter());
             for (found, expected) in pairs.flat_map(|(a, b)| a.into_iter().zip(b)) {
                 prop_assert!((found - expected).abs() <= expected.abs() * 2.0 * f64::from(f32::EPSILON));

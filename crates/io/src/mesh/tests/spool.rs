@@ -153,7 +153,7 @@ prop_compose! {
         }
         let positions = positions(&of, &steps, precision);
         let normals = has_normals.then_some(normals);
-        (TriMesh { positions, normals, triangles: by_piece.concat() }, cuts)
+        (TriMesh { positions, normals, triangles: by_piece.concat(), ..TriMesh::default() }, cuts)
     }
 }
 
