@@ -5,22 +5,26 @@
 //! say.
 
 mod choices;
+mod color;
 mod extract;
 mod memory;
 mod output;
 mod render;
 mod sample;
+mod shades;
 mod values;
 mod volume;
 
 pub(crate) use choices::{
-    BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg, ProgressArg,
-    SpaceArg, TopologyArg,
+    BetweenArg, BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg,
+    ProgressArg, SpaceArg, TopologyArg,
 };
+pub(crate) use color::ColorArgs;
 pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;
 pub(crate) use render::{LodWord, RenderArgs};
 pub(crate) use sample::{FloatArg, SampleArgs};
+pub(crate) use shades::{ColorMapArg, TextureArg};
 pub(crate) use values::{LevelArg, SampleType, Triple};
 pub(crate) use volume::{FileArgs, VolumeArgs};
 

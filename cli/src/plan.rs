@@ -1,6 +1,7 @@
 //! What will be done. Nothing is opened before the plan is whole: whatever can be known to fail from the
 //! words alone, or from the folders they name, fails here, before gigabytes are read.
 
+mod color;
 mod convert;
 mod extract;
 mod palette;
@@ -11,6 +12,7 @@ mod sample;
 mod suggest;
 mod target;
 
+pub(crate) use color::ColorPlan;
 pub(crate) use convert::{ConvertPlan, ConvertTo};
 pub(crate) use extract::{ExtractPlan, LevelPlan, Repeat};
 pub(crate) use palette::color;

@@ -2,6 +2,7 @@
 //!
 //! A number that is not finite is `null`, since JSON has none.
 
+mod color;
 mod layout;
 mod mesh;
 mod refine;
@@ -11,6 +12,7 @@ mod system;
 mod timings;
 mod volume;
 
+pub(crate) use color::{AttributeReport, ColorMapReport, ColorReport, TextureReport};
 use layout::Layout;
 pub(crate) use mesh::{
     CheckReport, MeshCounts, MeshReport, SlabCounts, SurfaceBrief, SurfaceReport, around,
@@ -33,6 +35,9 @@ pub(crate) struct ExtractReport<'a, C = MeshCounts> {
     pub(crate) command: &'a str,
     pub(crate) input: VolumeFacts,
     pub(crate) surfaces: Vec<SurfaceReport<C>>,
+    /// What vertices carry besides their place, if anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) vertex_colors: Option<ColorReport>,
     pub(crate) outputs: &'a [PathBuf],
     pub(crate) warnings: &'a [String],
     /// Vertices that a reader will take for one, because the format rounds their places to the same.

@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use isokit::{
+    field::Between,
     io::Format,
     marching_cubes::{Boundary, Degenerate, Gradient, Nan, Placement, Topology},
     pipeline::{Normals, TargetSpace},
@@ -91,6 +92,15 @@ pub(crate) enum SpaceArg {
     Index,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BetweenArg {
+    /// What is linear along each axis: for quantities
+    #[default]
+    Linear,
+    /// The nearest sample: for labels
+    Nearest,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MeshFormat {
     Glb,
@@ -161,6 +171,15 @@ impl From<NanArg> for Nan {
             NanArg::Error => Self::Error,
             NanArg::Outside => Self::Outside,
             NanArg::Mask => Self::Mask,
+        }
+    }
+}
+
+impl From<BetweenArg> for Between {
+    fn from(arg: BetweenArg) -> Self {
+        match arg {
+            BetweenArg::Linear => Self::Linear,
+            BetweenArg::Nearest => Self::Nearest,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The options of `extract`.
 
 use super::{
-    BoundaryArg, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg, PlacementArg,
-    SpaceArg, TopologyArg, VolumeArgs, memory, values,
+    BoundaryArg, ColorArgs, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg,
+    PlacementArg, SpaceArg, TopologyArg, VolumeArgs, memory, values,
 };
 use clap::Args;
 use isokit::{geom::HalfSpace, pipeline::Region};
@@ -18,6 +18,7 @@ Examples:
   isokit extract ct.nii.gz --iso auto -o bone.stl --report bone.json
   isokit extract ct.nii.gz --iso 300 --refine 1 --balance -o smooth.ply
   isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 -o half.stl
+  isokit extract t1.nii.gz --iso 80 --attribute pet.nii.gz --colormap magma -o hot.glb
   isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
 
 Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`.")]
@@ -84,12 +85,14 @@ pub(crate) struct ExtractArgs {
     /// Axes of the world to write coordinates in
     #[arg(long, value_enum, default_value_t, help_heading = "Part and place")]
     pub(crate) space: SpaceArg,
+    #[command(flatten)]
+    pub(crate) color: ColorArgs,
     /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Made
     /// when it is first asked for or the volume has changed; the mesh does not depend on it
     #[arg(long, conflicts_with_all = ["roi", "roi_mm", "max_memory"], help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
-    /// the same. Not with --normals area, --refine, --max-error or --balance, nor for -o - or NPY in Fortran order
+    /// the same. Not with --normals area, --refine, --max-error, --balance, --attribute or --texture, nor for -o - or NPY in Fortran order
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Write a report as JSON, to a file or to - for stdout

@@ -1,5 +1,6 @@
 //! `extract`: from a volume to a mesh.
 
+mod color;
 mod scene;
 
 use super::{check::sentence, write_text};
@@ -7,8 +8,8 @@ use crate::{
     Exit, Session,
     plan::{ExtractPlan, LevelPlan, Repeat, Stream},
     report::{
-        EXTRACT_SCHEMA, ExtractReport, MeshCounts, RefineReport, SurfaceReport, Timings,
-        VolumeFacts, median, peak_rss_bytes, simd, timed, to_json,
+        ColorReport, EXTRACT_SCHEMA, ExtractReport, MeshCounts, RefineReport, SurfaceReport,
+        Timings, VolumeFacts, median, peak_rss_bytes, simd, timed, to_json,
     },
     text::{counted, grouped},
 };
@@ -47,6 +48,8 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
     let mut surfaces = surfaces(&plan.levels, &isos, meshes);
     let refined = timed(&mut timings.mend, || refined(plan, &scan, &mut surfaces, session))?;
+    let colors =
+        timed(&mut timings.mend, || color::color(&plan.color, &scan, &mut surfaces, session))?;
     for ((surface, extracted), refined) in surfaces.iter().zip(&extracted).zip(&refined) {
         tell(plan, &scan, (surface, extracted), session)?;
         tell_singular(extracted, &surface.name, session);
@@ -60,7 +63,7 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         return Ok(String::new());
     }
     let found: Vec<_> = extracted.into_iter().zip(refined).collect();
-    report(plan, &scan, &surfaces, &written, (&found, timings), session)
+    report(plan, &scan, &surfaces, &written, (&found, colors, timings), session)
 }
 
 /// Writes what was made as a scene, if that is wanted.
@@ -252,7 +255,7 @@ fn report(
     scan: &Scan,
     surfaces: &[Surface],
     written: &Written,
-    (found, timings_s): (&[(Extracted, Refined)], Timings),
+    (found, vertex_colors, timings_s): (&[(Extracted, Refined)], Option<ColorReport>, Timings),
     session: &Session<'_, '_>,
 ) -> Result<String> {
     let peak_rss_bytes = peak_rss_bytes(); // of the work, not of the report
@@ -271,6 +274,7 @@ fn report(
         command: &session.command,
         input: VolumeFacts::of(&plan.input, scan, &scan.statistics(&session.job)?),
         surfaces: of_surfaces,
+        vertex_colors,
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,

@@ -176,6 +176,7 @@ fn report(
         command: &session.command,
         input: VolumeFacts::of_slabs(&plan.input, scan, &statistics),
         surfaces: heads.iter().zip(found).zip(gauges).map(of_surface).collect(),
+        vertex_colors: None,
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,

@@ -1,6 +1,6 @@
 //! What `extract` will do.
 
-use super::{MeshTarget, Stream, TextTarget, palette, places::Places};
+use super::{ColorPlan, MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
     args::{ExtractArgs, LevelArg, PlacementArg, SpaceArg},
     fault::UsageError,
@@ -29,6 +29,8 @@ pub(crate) struct ExtractPlan {
     pub(crate) surface: SurfaceOptions,
     /// What is done with surfaces after that.
     pub(crate) refine: RefineOptions,
+    /// What vertices carry besides.
+    pub(crate) color: ColorPlan,
     pub(crate) target: MeshTarget,
     pub(crate) index: bool,
     pub(crate) report: Option<TextTarget>,
@@ -87,8 +89,9 @@ impl ExtractPlan {
         };
         check_refine(&refine, &surface)?;
         check_scene(&args)?;
+        let color = ColorPlan::new(args.color, &target)?;
         if args.max_memory.is_some() {
-            check_slabs(&target, (&surface, &refine), repeat)?;
+            check_slabs(&target, (&surface, &refine, &color), repeat)?;
         }
         let plan = Self {
             volume: args.volume.options(),
@@ -99,6 +102,7 @@ impl ExtractPlan {
             clips: args.clip,
             surface,
             refine,
+            color,
             target,
             index: args.index,
             report,
@@ -119,6 +123,9 @@ impl ExtractPlan {
     /// far as that can be told.
     pub(crate) fn check_files(&self, isos: &[f64]) -> Result<(), UsageError> {
         let mut places = Places::of_input(&self.input);
+        if let Some((path, _)) = &self.color.attribute {
+            places.read("--attribute", path);
+        }
         if self.index {
             places.add("--index", &self.index_file())?;
         }
@@ -192,6 +199,9 @@ fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
         () if args.roi.is_some() || args.roi_mm.is_some() => {
             "--dump-scene: a scene shows the whole volume: leave out --roi"
         }
+        () if args.color.attribute.is_some() || args.color.texture.is_some() => {
+            "--dump-scene: a scene has no colours of vertices: leave out --attribute and --texture"
+        }
         () if !args.clip.is_empty() && args.space != SpaceArg::Source => {
             "--dump-scene: planes of a scene are in the file's own space: leave out --space"
         }
@@ -203,7 +213,7 @@ fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
 /// What does not fit together with slices that pass by.
 fn check_slabs(
     target: &MeshTarget,
-    (surface, refine): (&SurfaceOptions, &RefineOptions),
+    (surface, refine, color): (&SurfaceOptions, &RefineOptions, &ColorPlan),
     repeat: Repeat,
 ) -> Result<(), UsageError> {
     let says = match (&target.stream, surface.normals, repeat) {
@@ -216,6 +226,9 @@ fn check_slabs(
         _ if !refine.do_nothing() => {
             "--refine, --max-error and --balance need the whole mesh and the whole volume in memory: \
              leave out either them or --max-memory"
+        }
+        _ if !color.is_empty() => {
+            "--attribute and --texture need the whole mesh in memory: leave out either them or --max-memory"
         }
         (.., Repeat::Cold(_) | Repeat::Warm(_)) => {
             "--repeat times an extraction in memory: leave out either it or --max-memory"

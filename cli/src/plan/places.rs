@@ -38,6 +38,11 @@ impl Places {
         places
     }
 
+    /// Adds a file that is read too, be it the input again.
+    pub(super) fn read(&mut self, by: &'static str, path: &Path) {
+        self.0.push(Named::new(by, path));
+    }
+
     /// Adds a file that will be written, and says by which option.
     pub(super) fn add(&mut self, by: &'static str, path: &Path) -> Result<(), UsageError> {
         let new = Named::new(by, path);

@@ -13,7 +13,7 @@ pub(crate) struct Timings {
     /// From the volume in memory to indexed meshes with normals in memory, allocation included; of
     /// several runs the median.
     pub(crate) extract: f64,
-    /// Changing meshes after they were made: dividing and balancing them.
+    /// Changing meshes after they were made: dividing, balancing and colouring them.
     pub(crate) mend: f64,
     /// From meshes in memory to files.
     pub(crate) write: f64,

@@ -10,11 +10,13 @@
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
 //! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
 //! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted |
+//! | colour | [`Scan::attribute`] gives each vertex the value of another scan there |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;
 //! what a user should know comes back as a value ([`Scan::notes`], [`Remark`]).
 
+mod attribute;
 mod clip;
 mod error;
 mod index;

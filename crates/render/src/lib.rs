@@ -44,6 +44,7 @@
 
 mod camera;
 mod clear;
+mod colormap;
 mod gather;
 mod image;
 mod interpolant;
@@ -59,6 +60,7 @@ mod transfer;
 mod trilinear;
 
 pub use camera::{Camera, CameraError, Projection, Ray, Side};
+pub use colormap::ColorMap;
 pub use gather::{Gathered, opacity_over};
 pub use image::{Background, Image, Size};
 pub use interpolant::{Interpolant, Kernel};

@@ -6,6 +6,7 @@ use isokit_io::{ReadError, WriteError};
 use isokit_job::{Cancelled, OverLimit, Stopped};
 use isokit_marching_cubes::ExtractError;
 use isokit_refine::RefineError;
+use std::ops::Range;
 
 /// Why a step from scan to mesh failed.
 #[derive(Debug, thiserror::Error)]
@@ -54,5 +55,16 @@ impl From<Cancelled> for PipelineError {
 impl From<OverLimit> for PipelineError {
     fn from(over: OverLimit) -> Self {
         Self::Stopped(over.into())
+    }
+}
+
+/// The same error with sample numbers of the whole volume instead of the part.
+pub(super) fn in_whole(error: ExtractError, part: &[Range<usize>; 3]) -> ExtractError {
+    match error {
+        ExtractError::Nan { count, first } => {
+            let first = std::array::from_fn(|axis| first[axis] + part[axis].start);
+            ExtractError::Nan { count, first }
+        }
+        other => other,
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::pipeline::{
     Index, IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions,
-    TargetSpace, UnknownSpace, index, iso::Facts,
+    TargetSpace, UnknownSpace, attribute::source_of, error::in_whole, index, iso::Facts,
 };
 use isokit_geom::{Aabb, Frame, Space};
 use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
 use isokit_job::{Cancelled, Job, Stopped};
-use isokit_marching_cubes::{ExtractError, Extracted, Source, extract_many};
+use isokit_marching_cubes::{Extracted, Source, extract_many};
 use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{
     AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any, halved,
@@ -22,6 +22,8 @@ const MOST_ACTIVE: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub struct Scan {
     volume: AnyVolume,
+    /// Where the samples were before they were placed elsewhere.
+    pub(super) source: Frame,
     part: [Range<usize>; 3],
     format: Option<Format>,
     notes: Vec<String>,
@@ -73,6 +75,7 @@ impl Scan {
         // What is in memory is numbered by its address space.
         let part = volume.grid().dims().map(|n| 0..n as usize);
         Self {
+            source: volume.grid().frame,
             volume,
             part,
             format: None,
@@ -138,7 +141,9 @@ impl Scan {
     }
 
     pub(super) fn with_samples(&self, volume: AnyVolume) -> Self {
-        Self { format: self.format, notes: self.notes.clone(), ..Self::new(volume) }
+        let new = Self::new(volume);
+        let source = source_of(new.source, (self.frame(), &self.source));
+        Self { format: self.format, notes: self.notes.clone(), source, ..new }
     }
 
     /// The whole volume, of which a part may be looked at.
@@ -382,17 +387,6 @@ impl Facts for Scan {
 
     fn histogram(&self, job: &Job) -> Result<Option<&Histogram>, PipelineError> {
         Ok(self.histogram(job)?)
-    }
-}
-
-/// The same error with sample numbers of the whole volume instead of the part.
-pub(super) fn in_whole(error: ExtractError, part: &[Range<usize>; 3]) -> ExtractError {
-    match error {
-        ExtractError::Nan { count, first } => {
-            let first = std::array::from_fn(|axis| first[axis] + part[axis].start);
-            ExtractError::Nan { count, first }
-        }
-        other => other,
     }
 }
 

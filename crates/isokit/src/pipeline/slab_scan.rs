@@ -3,8 +3,8 @@
 mod part;
 
 use crate::pipeline::{
-    IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace, iso::Facts,
-    scan::in_whole,
+    IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
+    error::in_whole, iso::Facts,
 };
 use isokit_geom::Frame;
 use isokit_io::{

@@ -45,6 +45,7 @@ fn ball(middle: Vector, radius: f64, stripes: u32) -> TriMesh {
         positions: Positions::F64(normals.iter().map(place).collect()),
         normals: Some(normals.iter().map(|normal| normal.map(|c| c as f32)).collect()),
         triangles,
+        ..TriMesh::default()
     }
 }
 
