@@ -101,6 +101,7 @@ Example:
 Examples:
   isokit convert scan.mha -o scan.nii.gz
   isokit convert bone.stl -o bone.glb --gltf-unit mm
+  isokit convert flow.nrrd --quantity q-criterion -o vortices.nrrd
 
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; meshes become .glb .gltf .obj .ply .stl.")]
     Convert(ConvertArgs),

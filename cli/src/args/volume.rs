@@ -2,7 +2,10 @@
 
 use super::{SampleType, Triple, values};
 use clap::Args;
-use isokit::io::{RawLayout, VolumeOptions};
+use isokit::{
+    io::{RawLayout, VolumeOptions},
+    volume::Quantity,
+};
 
 /// How the input is read.
 #[derive(Args, Clone, Debug)]
@@ -34,14 +37,20 @@ pub(crate) struct FileArgs {
     /// Which volume of a file that holds several, counted from 0 [default: the first]
     #[arg(long, value_name = "N")]
     volume_index: Option<u64>,
+    /// What is read of a file of vectors, three numbers per sample: the components x, y or z along the axes of the
+    /// file's world; their length, speed; divergence; vorticity, the length of the curl; or q-criterion, above 0 in
+    /// vortices. Derivatives are central differences in world units
+    #[arg(long, value_name = "QUANTITY", conflicts_with_all = ["dims", "volume_index"])]
+    quantity: Option<Quantity>,
 }
 
 impl VolumeArgs {
     /// Whether none was given.
     pub(crate) fn is_empty(&self) -> bool {
-        let FileArgs { dims, dtype, skip, origin, volume_index } = &self.file;
+        let FileArgs { dims, dtype, skip, origin, volume_index, quantity } = &self.file;
         let raw = dims.is_some() || dtype.is_some() || skip.is_some();
-        !raw && self.spacing.is_none() && origin.is_none() && volume_index.is_none()
+        let chosen = volume_index.is_some() || quantity.is_some();
+        !raw && !chosen && self.spacing.is_none() && origin.is_none()
     }
 
     /// The same for the library.
@@ -61,6 +70,7 @@ impl FileArgs {
         };
         let mut options = VolumeOptions::default();
         options.volume_index = self.volume_index;
+        options.quantity = self.quantity;
         options.raw = self.dims.zip(self.dtype).map(layout);
         options.spacing = spacing.map(|spacing| spacing.0);
         options.origin = self.origin.map(|origin| origin.0);

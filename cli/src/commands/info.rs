@@ -26,8 +26,8 @@ pub(crate) fn run(args: &InfoArgs, session: &mut Session<'_, '_>) -> Result<Exit
 fn of_volume(args: &InfoArgs, session: &mut Session<'_, '_>) -> Result<Exit> {
     let options = args.volume.options();
     let path = &args.file;
+    let header = open_volume(path, &options, &session.job)?;
     if !args.json {
-        let header = open_volume(path, &options, &session.job)?;
         session.out.write_all(header_lines(path, &header).as_bytes())?;
         session.out.flush()?;
     }
@@ -44,6 +44,7 @@ fn of_volume(args: &InfoArgs, session: &mut Session<'_, '_>) -> Result<Exit> {
             schema: "isokit.info/1",
             kind: "volume",
             facts,
+            sample_unit: header.sample_unit(),
             suggested_iso,
         })?,
         false => sample_lines(&scan, &facts, histogram.as_ref(), suggested_iso),
@@ -73,6 +74,9 @@ fn header_lines(path: &Path, file: &VolumeFile) -> String {
     if !scaling.is_identity() {
         let (slope, intercept) = (scaling.slope(), scaling.intercept());
         lines.push(format!("  a sample s means {slope} s + {intercept}"));
+    }
+    if let Some(unit) = file.sample_unit() {
+        lines.push(format!("  values in {unit}, as the file says"));
     }
     lines.extend(file.notes().iter().map(|note| format!("  note: {note}")));
     lines.join("\n") + "\n"

@@ -60,8 +60,8 @@ impl ConvertPlan {
 
 fn to_mesh(args: &ConvertArgs) -> Result<ConvertTo> {
     if !args.volume.is_empty() {
-        let says = "the output is a mesh: --dims --dtype --skip --spacing --origin --volume-index are \
-                    for volumes";
+        let says = "the output is a mesh: --dims --dtype --skip --spacing --origin --volume-index \
+                    --quantity are for volumes";
         return Err(UsageError(says.into()).into());
     }
     if args.space == SpaceArg::Index {

@@ -88,13 +88,14 @@ impl ExtractPlan {
             (None, None) => Repeat::Once,
         };
         check_refine(&refine, &surface)?;
-        check_scene(&args)?;
+        let volume = args.volume.options();
+        check_scene(&args, &volume)?;
         let color = ColorPlan::new(args.color, &target)?;
         if args.max_memory.is_some() {
-            check_slabs(&target, (&surface, &refine, &color), repeat)?;
+            check_slabs(&target, &volume, (&surface, &refine, &color), repeat)?;
         }
         let plan = Self {
-            volume: args.volume.options(),
+            volume,
             input: args.volume_file,
             region: args.roi.or(args.roi_mm).unwrap_or_default(),
             space: args.space.into(),
@@ -191,13 +192,16 @@ fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), 
 }
 
 /// What a scene cannot say.
-fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
+fn check_scene(args: &ExtractArgs, volume: &VolumeOptions) -> Result<(), UsageError> {
     let Some(path) = &args.dump_scene else { return Ok(()) };
     let is_scene = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     let says = match () {
         () if !is_scene => "--dump-scene: expected a name that ends in .toml",
         () if args.roi.is_some() || args.roi_mm.is_some() => {
             "--dump-scene: a scene shows the whole volume: leave out --roi"
+        }
+        () if volume.quantity.is_some() => {
+            "--dump-scene: a scene shows a volume, not vectors: leave out --quantity, or convert them first"
         }
         () if args.color.attribute.is_some() || args.color.texture.is_some() => {
             "--dump-scene: a scene has no colours of vertices: leave out --attribute and --texture"
@@ -213,6 +217,7 @@ fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
 /// What does not fit together with slices that pass by.
 fn check_slabs(
     target: &MeshTarget,
+    volume: &VolumeOptions,
     (surface, refine, color): (&SurfaceOptions, &RefineOptions, &ColorPlan),
     repeat: Repeat,
 ) -> Result<(), UsageError> {
@@ -226,6 +231,9 @@ fn check_slabs(
         _ if !refine.do_nothing() => {
             "--refine, --max-error and --balance need the whole mesh and the whole volume in memory: \
              leave out either them or --max-memory"
+        }
+        _ if volume.quantity.is_some() => {
+            "--quantity needs all vectors in memory: leave out either it or --max-memory, or convert them first"
         }
         _ if !color.is_empty() => {
             "--attribute and --texture need the whole mesh in memory: leave out either them or --max-memory"

@@ -35,11 +35,13 @@ pub(crate) struct VolumeFacts {
 
 /// What `info --json` prints of a volume.
 #[derive(Debug, Serialize)]
-pub(crate) struct VolumeReport {
+pub(crate) struct VolumeReport<'a> {
     pub(crate) schema: &'static str,
     pub(crate) kind: &'static str,
     #[serde(flatten)]
     pub(crate) facts: VolumeFacts,
+    /// What values are in, in the file's own words; null if it does not say.
+    pub(crate) sample_unit: Option<&'a str>,
     /// Otsu's; null if all samples have one value.
     pub(crate) suggested_iso: Option<f64>,
 }

@@ -1,5 +1,6 @@
 //! The program from words to bytes: every command on small volumes, written here.
 
+mod attribute;
 mod check;
 mod convert;
 mod extract;
@@ -18,3 +19,4 @@ mod sample;
 mod slabs;
 mod streams;
 mod suggest;
+mod vectors;

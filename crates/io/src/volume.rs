@@ -13,8 +13,9 @@
 //! | NPY | versions 1 to 3, C and Fortran order | version 1, C order |
 //! | raw | as described by [`RawLayout`] | samples, x fastest |
 //!
-//! One layer of gzip or bzip2 around any of them is taken off. Samples of 64-bit integers, half
-//! floats, complex numbers, colours and other vectors are refused by name.
+//! One layer of gzip or bzip2 around any of them is taken off. Of vectors of three numbers a
+//! [`Quantity`] is read, if one is asked for. Samples of 64-bit integers, half floats, complex numbers,
+//! colours and other vectors are refused by name.
 
 mod bricks;
 mod files;
@@ -27,6 +28,7 @@ mod place;
 mod raw;
 mod slices;
 mod stored;
+mod vectors;
 mod write;
 
 pub use bricks::{BrickFile, NoBricks};
@@ -35,9 +37,11 @@ pub use slices::FileSlices;
 pub use write::{volume_files, write_volume};
 
 use crate::{Endian, Format, ReadFault};
+use isokit_geom::vector::Vector;
 use isokit_geom::{Affine, Space, Unit};
-use isokit_volume::{AnyVolume, Dtype, Scaling};
+use isokit_volume::{AnyVolume, Dtype, Quantity, Scaling};
 use stored::Stored;
+use vectors::Triples;
 
 /// What a headerless file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +69,8 @@ pub struct VolumeOptions {
     pub spacing: Option<[f64; 3]>,
     /// Place of the first sample. Default: as the file says, or 0. A note names what it overrides.
     pub origin: Option<[f64; 3]>,
+    /// What is read of a file of vectors, three numbers per sample. Default: nothing; such a file is refused.
+    pub quantity: Option<Quantity>,
 }
 
 /// A volume read from a file.
@@ -91,6 +97,12 @@ struct Described {
     space: Space,
     scaling: Scaling,
     stored: Stored,
+    /// What values are in, in the file's own words, where it says so.
+    sample_unit: Option<String>,
+    /// Samples of three numbers, where the header says so.
+    triples: Option<Triples>,
+    /// What takes vectors as they are stored to the world, as columns.
+    to_world: [Vector; 3],
     notes: Vec<String>,
 }
 

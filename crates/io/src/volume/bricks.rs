@@ -71,8 +71,12 @@ impl VolumeFile {
     ///
     /// # Errors
     ///
-    /// If the system does not tell size and time of a file, or one is no regular file.
+    /// If the system does not tell size and time of a file, if one is no regular file, or if the volume is a
+    /// quantity of vectors.
     pub fn bricks(&self) -> io::Result<BrickFile> {
+        if self.is_of_vectors() {
+            return Err(io::Error::other("a quantity of vectors has no index"));
+        }
         let (stored, count) = (&self.stored, self.grid.count());
         let mut sum = Fnv::default();
         let last = (self.first + count).div_ceil(stored.per_file);

@@ -10,6 +10,7 @@ use super::{
     place::{EXPECTED, completed},
     sample_feature,
     stored::{Coding, Skip, Stored},
+    vectors::{ADVICE, ALONG_AXES, Layout, Triples},
 };
 use crate::{
     Endian, Format, ReadError, ReadFault,
@@ -97,8 +98,13 @@ impl Header {
         let sizes = self.sizes()?;
         let volumes = sizes.get(3).copied().unwrap_or(1);
         let dtype = self.dtype()?;
+        let dims = std::array::from_fn(|axis| sizes.get(axis).copied().unwrap_or(1));
+        let triples = self.triples(dims)?;
+        if triples.is_some() && volumes > 1 {
+            return Err(self.need("DimSize")?.unsupported("several volumes of vectors"));
+        }
         Ok(Described {
-            dims: std::array::from_fn(|axis| sizes.get(axis).copied().unwrap_or(1)),
+            dims,
             volumes,
             affine: self.affine(sizes.len()),
             has_geometry: true,
@@ -106,6 +112,9 @@ impl Header {
             space: Space::Lps,
             scaling: Scaling::IDENTITY,
             stored: self.stored(path, dtype, &sizes)?,
+            triples,
+            to_world: ALONG_AXES,
+            sample_unit: None,
             notes,
         })
     }
@@ -121,12 +130,22 @@ impl Header {
         if sizes.len() != count || sizes.contains(&0) {
             return Err(field.broken(format!("{count} sizes above 0")));
         }
-        if let Some(field) = self.get(&["ElementNumberOfChannels"])
-            && field.number::<u64>("a number of channels")? != 1
-        {
-            return Err(field.unsupported(format!("{} numbers per sample", field.value)));
-        }
         Ok(sizes)
+    }
+
+    /// Three channels are a vector.
+    fn triples(&self, dims: [u64; 3]) -> Result<Option<Triples>, ReadFault> {
+        let Some(field) = self.get(&["ElementNumberOfChannels"]) else { return Ok(None) };
+        let what = format!("{} numbers per sample", field.value);
+        match field.number::<u64>("a number of channels")? {
+            1 => Ok(None),
+            3 => {
+                let fault = ReadFault::Caller(format!("{what}: {ADVICE}").into());
+                let (layout, fault) = (Layout::Together, Some(fault));
+                Ok(Some(Triples { layout, dims, fault, are_volumes: false }))
+            }
+            _ => Err(field.unsupported(what)),
+        }
     }
 
     fn dtype(&self) -> Result<Dtype, ReadFault> {

@@ -16,6 +16,7 @@ pub(super) use write::write;
 use super::{
     Described, sample_feature,
     stored::{Skip, Stored},
+    vectors::{ADVICE, ALONG_AXES, Layout, Triples},
 };
 use crate::{Format, Place, ReadError, ReadFault, bytes::Bytes};
 use header::{Header, Kind, TWO};
@@ -76,6 +77,11 @@ fn described(header: &Header<'_>, path: &Path) -> Result<Described, ReadFault> {
         Ok((affine, space)) => (Ok(affine), space),
         Err(fault) => (Err(fault), Space::Ras),
     };
+    let triples = (header.is_of_vectors() && volumes == 3).then(|| {
+        let says = format!("vectors of 3 numbers (intent_code): {ADVICE}");
+        let (layout, fault) = (Layout::Apart, Some(ReadFault::Caller(says.into())));
+        Triples { layout, dims, fault, are_volumes: true }
+    });
     Ok(Described {
         dims,
         volumes,
@@ -85,6 +91,9 @@ fn described(header: &Header<'_>, path: &Path) -> Result<Described, ReadFault> {
         space,
         scaling: scaling(header, &mut notes),
         stored: stored(header, path, dtype, &mut notes)?,
+        triples,
+        to_world: ALONG_AXES,
+        sample_unit: None,
         notes,
     })
 }

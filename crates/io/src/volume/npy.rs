@@ -1,12 +1,13 @@
 //! NumPy's array file, versions 1 to 3, after NEP 1 (`numpy.lib.format`).
 //!
 //! An array is indexed `[z, y, x]`. Fewer axes are the last of these; an axis before them counts
-//! volumes. In Fortran order z lies fastest, and samples are turned round while they are read. NPY
+//! volumes. A fourth, last axis of size 3 may hold vectors. In Fortran order z lies fastest, and samples are turned round while they are read. NPY
 //! has neither place nor unit.
 
 use super::{
     Described, sample_feature,
     stored::{Order, Stored},
+    vectors::{ADVICE, ALONG_AXES, Layout, Triples},
     write::{dtype, form, put_samples},
 };
 use crate::{
@@ -107,6 +108,9 @@ impl Header {
             space: Space::Unknown,
             scaling: Scaling::IDENTITY,
             stored: Stored { endian, order: self.order(dims, volumes)?, ..stored },
+            triples: self.triples(dims, volumes)?,
+            to_world: ALONG_AXES,
+            sample_unit: None,
             notes: vec![],
         })
     }
@@ -172,6 +176,26 @@ impl Header {
         let mut more = sizes.iter().skip(3);
         let volumes = more.try_fold(1_u64, |count, &n| count.checked_mul(n));
         Ok(([size(0), size(1), size(2)], volumes.ok_or_else(wrong)?))
+    }
+
+    /// A last axis of size 3 may hold vectors: in three axes if it is asked for, in four likely.
+    fn triples(&self, dims: [u64; 3], volumes: u64) -> Result<Option<Triples>, ReadFault> {
+        const EXPECTED: &str = "'shape'";
+        let (value, _) = self.value("shape", EXPECTED)?;
+        let list = value.split(')').next().unwrap_or_default();
+        let axes = list.split(',').filter(|size| !size.trim_matches(['(', ' ']).is_empty()).count();
+        if dims[0] != 3 || !(3..=4).contains(&axes) {
+            return Ok(None);
+        }
+        let fault = (axes == 4).then(|| {
+            let says = format!(
+                "an array of four axes, the last of size 3: {ADVICE}; --volume-index takes it for a list of \
+                 volumes"
+            );
+            ReadFault::Caller(says.into())
+        });
+        let (layout, dims) = (Layout::Together, [dims[1], dims[2], volumes]);
+        Ok(Some(Triples { layout, dims, fault, are_volumes: true }))
     }
 
     fn order(&self, dims: [u64; 3], volumes: u64) -> Result<Order, ReadFault> {

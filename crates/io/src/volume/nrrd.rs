@@ -15,6 +15,7 @@ pub(super) use write::{write, write_detached};
 use super::{
     Described, sample_feature,
     stored::{Coding, Order, Skip, Stored},
+    vectors::ALONG_AXES,
 };
 use crate::{Endian, Format, ReadError, ReadFault, bytes::Bytes, text::Field};
 use header::Header;
@@ -33,7 +34,7 @@ fn described(header: &Header, path: &Path) -> Result<Described, ReadFault> {
     let axes = axes::read(header)?;
     let lattice = axes::lattice(header, &axes)?;
     let dtype = dtype(header.need("type")?)?;
-    let (affine, space) = axes::place(header, &axes, &lattice, &mut notes)?;
+    let (affine, space, factors) = axes::place(header, &axes, &lattice, &mut notes)?;
     let stored = stored(header, path, dtype, &mut notes)?;
     if let Some((files, field, per_file)) = &header.files {
         let sizes: Vec<u64> = axes.iter().map(|axis| axis.size).collect();
@@ -48,6 +49,13 @@ fn described(header: &Header, path: &Path) -> Result<Described, ReadFault> {
         space,
         scaling: Scaling::IDENTITY,
         stored,
+        // Only vectors have a frame of their own.
+        to_world: match lattice.triples.is_some() || lattice.volumes == 3 {
+            true => axes::vectors_to_world(header, factors)?,
+            false => ALONG_AXES,
+        },
+        triples: lattice.triples,
+        sample_unit: sample_unit(header)?,
         notes,
     })
 }
@@ -146,6 +154,16 @@ fn endian(
             Ok(Endian::Little)
         }
     }
+}
+
+/// What values are in: any word, in quotes or not.
+fn sample_unit(header: &Header) -> Result<Option<String>, ReadFault> {
+    let Some(field) = header.get("sample units") else { return Ok(None) };
+    let word = match field.value.trim().starts_with('"') {
+        true => header::quoted(field)?.concat(),
+        false => field.value.trim().to_owned(),
+    };
+    Ok(Some(word).filter(|word| !word.is_empty() && word != "???"))
 }
 
 /// The unit of the space, or else of the axes; several at once are none.

@@ -3,6 +3,7 @@
 use super::{
     Described, FileSlices, VolumeInput, VolumeOptions, metaimage, nifti, npy, nrrd, place, raw,
     stored::{Order, Stored},
+    vectors::Flow,
 };
 use crate::{Format, Place, ReadError, ReadFault, detect};
 use isokit_geom::Frame;
@@ -14,12 +15,16 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct VolumeFile {
     pub(super) path: PathBuf,
+    /// Of all numbers.
     pub(super) grid: Grid,
+    /// What is made of them, if they are vectors.
+    pub(super) flow: Option<Flow>,
     pub(super) scaling: Scaling,
     pub(super) stored: Stored,
     /// Number of the volume's first sample among all that are stored.
     pub(super) first: u64,
     pub(super) job: Job,
+    sample_unit: Option<String>,
     notes: Vec<String>,
 }
 
@@ -75,23 +80,27 @@ impl Described {
         options: &VolumeOptions,
         job: &Job,
     ) -> Result<VolumeFile, ReadError> {
-        let mut notes = self.notes;
         let at = |fault: ReadFault| fault.at(path);
-        let index = chosen(self.volumes, options, &mut notes).map_err(at)?;
-        let found = (self.affine, self.unit, self.space);
-        let frame = place::frame(found, self.has_geometry, options, &mut notes).map_err(at)?;
-        let grid = lattice(self.stored.format, self.dims, self.volumes, frame).map_err(at)?;
-        let per_file = grid.count() * self.volumes / self.stored.files.count().max(1);
-        let stored = Stored { per_file, ..self.stored };
+        let (described, flow) = self.of_numbers(options).map_err(at)?;
+        let mut notes = described.notes;
+        let index = chosen(described.volumes, options, &mut notes).map_err(at)?;
+        let found = (described.affine, described.unit, described.space);
+        let frame = place::frame(found, described.has_geometry, options, &mut notes).map_err(at)?;
+        let grid = lattice(described.stored.format, described.dims, described.volumes, frame)
+            .map_err(at)?;
+        let per_file = grid.count() * described.volumes / described.stored.files.count().max(1);
+        let stored = Stored { per_file, ..described.stored };
         let first = grid.count() * index;
         let path = path.to_owned();
         let mut file = VolumeFile {
             path,
             grid,
-            scaling: self.scaling,
+            flow: flow.map(|flow| Flow::new(flow, (&grid, described.to_world))),
+            scaling: described.scaling,
             stored,
             first,
             job: job.clone(),
+            sample_unit: described.sample_unit,
             notes,
         };
         file.check_files(job)?;
@@ -139,19 +148,31 @@ fn lattice(format: Format, dims: [u64; 3], volumes: u64, frame: Frame) -> Result
 }
 
 impl VolumeFile {
-    /// The type of the samples.
+    /// The type of the samples; of a quantity of vectors, f32.
     pub fn dtype(&self) -> Dtype {
-        self.stored.dtype
+        if self.flow.is_some() { Dtype::F32 } else { self.stored.dtype }
     }
 
     /// Sizes and place of the lattice.
     pub fn grid(&self) -> &Grid {
-        &self.grid
+        self.flow.as_ref().map_or(&self.grid, |flow| &flow.grid)
     }
 
     /// What a stored sample means.
     pub fn scaling(&self) -> Scaling {
-        self.scaling
+        if self.flow.is_some() { Scaling::IDENTITY } else { self.scaling }
+    }
+
+    /// Whether the file holds vectors, of which a quantity is read.
+    pub fn is_of_vectors(&self) -> bool {
+        self.flow.is_some()
+    }
+
+    /// What values are in, in the file's own words, if it says so and they are what it speaks of: those of a
+    /// derivative of vectors are not.
+    pub fn sample_unit(&self) -> Option<&str> {
+        let is_derived = self.flow.as_ref().is_some_and(Flow::is_derived);
+        self.sample_unit.as_deref().filter(|_| !is_derived)
     }
 
     /// What the file is.
@@ -165,9 +186,10 @@ impl VolumeFile {
     }
 
     /// Whether the samples of a slice lie together, so that slices can be read one after another. Those
-    /// of NPY files in Fortran order are spread over the whole file.
+    /// of NPY files in Fortran order are spread over the whole file, and a quantity of vectors is made of
+    /// all of them.
     pub fn has_slices(&self) -> bool {
-        self.stored.order == Order::XFastest
+        self.flow.is_none() && self.stored.order == Order::XFastest
     }
 
     /// The same file, read as part of another job.
@@ -179,8 +201,12 @@ impl VolumeFile {
     ///
     /// # Errors
     ///
-    /// If the samples are not of type `T`.
+    /// If the samples are not of type `T`, or are made of vectors.
     pub fn into_source<T: Sample>(self) -> Result<FileSlices<T>, ReadError> {
+        if self.flow.is_some() {
+            let fault = "a quantity of vectors is made of all of them, not slice by slice";
+            return Err(ReadFault::Caller(fault.into()).at(self.path));
+        }
         if T::DTYPE == self.dtype() {
             return Ok(FileSlices::new(self));
         }
@@ -194,7 +220,10 @@ impl VolumeFile {
     ///
     /// If the file cannot be read, if the job's limit does not allow so much memory, or if the job
     /// is cancelled.
-    pub fn collect(self, job: &Job) -> Result<AnyVolume, ReadError> {
+    pub fn collect(mut self, job: &Job) -> Result<AnyVolume, ReadError> {
+        if let Some(flow) = self.flow.take() {
+            return flow.collect(self, job);
+        }
         let path = self.path.clone();
         let volume = for_dtype!(self.dtype(), T => self.collect_as::<T>(job).map(AnyVolume::from));
         volume.map_err(|error| match error.path.as_os_str().is_empty() {

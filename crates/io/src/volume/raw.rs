@@ -5,6 +5,7 @@
 use super::{
     Described, RawLayout,
     stored::{Skip, Stored},
+    vectors::ALONG_AXES,
 };
 use crate::{Format, ReadError, ReadFault};
 use isokit_geom::{Affine, Space, Unit};
@@ -23,6 +24,9 @@ pub(super) fn describe(path: &Path, layout: RawLayout) -> Result<Described, Read
         space: Space::Unknown,
         scaling: Scaling::IDENTITY,
         stored: Stored { skip, endian: layout.endian, ends: true, ..stored },
+        triples: None,
+        to_world: ALONG_AXES,
+        sample_unit: None,
         notes: vec![],
     })
 }

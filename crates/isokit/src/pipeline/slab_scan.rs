@@ -46,6 +46,10 @@ impl SlabScan {
         job: &Job,
     ) -> Result<Self, PipelineError> {
         let file = open_volume(path, options, job)?;
+        if file.is_of_vectors() {
+            let says = "a quantity of vectors is made of all of them: read the volume into memory, or convert it first";
+            return Err(ReadFault::Caller(says.into()).at(path).into());
+        }
         if !file.has_slices() {
             let says = "the samples are z fastest (Fortran order), so no slice can be read alone: \
                         convert the file to .nrrd first, or read all of it into memory";

@@ -83,7 +83,9 @@ fn what_cannot_be_read_is_named() {
     is_refused(&with("MET_FLOAT_ARRAY"), "line 3: sample type MET_FLOAT_ARRAY is not supported");
     is_refused(&with("short"), "line 3: expected a type like MET_SHORT");
     let channels = format!("{CUBE}ElementNumberOfChannels = 3");
-    is_refused(&channels, "line 4: 3 numbers per sample is not supported");
+    is_refused(&channels, "3 numbers per sample: --quantity says what is read of vectors: x, y, z");
+    let channels = format!("{CUBE}ElementNumberOfChannels = 4");
+    is_refused(&channels, "line 4: 4 numbers per sample is not supported");
     is_refused(&format!("ObjectType = Mesh\n{CUBE}"), "line 1: object type \"Mesh\"");
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Layout {
     pub(super) units: usize,
     /// `qform_code`, `sform_code`.
     pub(super) codes: usize,
+    /// `intent_code`.
+    pub(super) intent: usize,
     /// `quatern_b`, `_c`, `_d`, `qoffset_x`, `_y`, `_z`.
     pub(super) quatern: usize,
     /// `srow_x`, `srow_y`, `srow_z`.
@@ -39,6 +41,7 @@ pub(super) const ONE: Layout = Layout {
     scl: 112,
     units: 123,
     codes: 252,
+    intent: 68,
     quatern: 256,
     srow: 280,
     widths: [2, 4, 2],
@@ -55,6 +58,7 @@ pub(super) const TWO: Layout = Layout {
     scl: 176,
     units: 500,
     codes: 344,
+    intent: 504,
     quatern: 352,
     srow: 400,
     widths: [8, 8, 4],
@@ -151,6 +155,16 @@ impl<'a> Header<'a> {
                 self.record.i32(at)
             }
         })
+    }
+
+    /// Whether the samples are said to be vectors: `NIFTI_INTENT_VECTOR` or `_DISPVECT`.
+    pub(super) fn is_of_vectors(&self) -> bool {
+        let code = match self.layout.widths[2] {
+            _ if self.kind == Kind::Analyze => 0,
+            2 => self.record.i16(self.layout.intent).into(),
+            _ => self.record.i32(self.layout.intent),
+        };
+        matches!(code, 1006 | 1007)
     }
 
     /// `xyzt_units`.

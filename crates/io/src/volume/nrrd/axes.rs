@@ -2,10 +2,14 @@
 //!
 //! An axis is of space if it has a direction; without directions, unless its kind says otherwise. The
 //! first three of space are x, y, z. Axes after them count volumes. An axis before or between them
-//! means several numbers per sample, and is refused unless its size is 1.
+//! means several numbers per sample, and is refused unless its size is 1, or it is the first, has size 3 and no kind
+//! but that of a vector.
 
 use super::{
-    super::place::{EXPECTED, completed},
+    super::{
+        place::{EXPECTED, completed},
+        vectors::{ADVICE, ALONG_AXES, Layout, Triples},
+    },
     header::{Header, vectors},
 };
 use crate::{ReadFault, text::Field};
@@ -25,6 +29,16 @@ pub(super) struct Lattice {
     pub(super) volumes: u64,
     /// Numbers of the axes that are x, y, z.
     pub(super) spatial: Vec<usize>,
+    /// Samples of three numbers, where an axis says so.
+    pub(super) triples: Option<Triples>,
+}
+
+/// Whether an axis may count the components of a vector; where it must, it says so.
+fn is_vector(axis: &Axis, must: bool) -> bool {
+    let names = ["vector", "covariant-vector", "normal", "3-vector", "3-gradient", "3-normal"];
+    let any = ["", "???", "none", "unknown", "list"];
+    let kind = axis.kind.as_str();
+    axis.size == 3 && (names.contains(&kind) || !must && any.contains(&kind))
 }
 
 /// As many axes as teem takes.
@@ -85,22 +99,61 @@ pub(super) fn lattice(header: &Header, axes: &[Axis]) -> Result<Lattice, ReadFau
     let Some(&last) = spatial.last() else {
         return Err(field.unsupported("an array without an axis of space"));
     };
-    let mut volumes = 1_u64;
+    let dims = std::array::from_fn(|k| spatial.get(k).map_or(1, |&n| axes[n].size));
+    let triples = |layout, n: usize| {
+        let axis = &axes[n];
+        let says = format!("{}: {ADVICE}", numbers(axis, n));
+        let (fault, are_volumes) = (Some(ReadFault::Caller(says.into())), layout == Layout::Apart);
+        Triples { layout, dims, fault, are_volumes }
+    };
+    let (mut volumes, mut found) = (1_u64, None);
     for (n, axis) in axes.iter().enumerate().filter(|(n, _)| !spatial.contains(n)) {
         if n > last {
             let product = volumes.checked_mul(axis.size);
             volumes = product.ok_or_else(|| field.broken("sizes that can be multiplied"))?;
+            if is_vector(axis, true) {
+                found = Some(triples(Layout::Apart, n));
+            }
+        } else if n == 0 && is_vector(axis, false) {
+            found = Some(triples(Layout::Together, n));
         } else if axis.size > 1 {
-            let kind = if axis.kind.is_empty() { "no kind" } else { &axis.kind };
-            let feature = format!("{} numbers per sample (axis {n}, {kind})", axis.size);
-            return Err(field.unsupported(feature));
+            return Err(field.unsupported(numbers(axis, n)));
         }
     }
-    let dims = std::array::from_fn(|k| spatial.get(k).map_or(1, |&n| axes[n].size));
-    Ok(Lattice { dims, volumes, spatial })
+    let is_one =
+        |found: &Triples| (found.layout == Layout::Apart) == (volumes == 3) && volumes <= 3;
+    if found.as_ref().is_some_and(|found| !is_one(found)) {
+        return Err(field.unsupported("several volumes of vectors"));
+    }
+    Ok(Lattice { dims, volumes, spatial, triples: found })
 }
 
-type Place = (Result<Affine, ReadFault>, Space);
+/// What an axis counts that is none of space.
+fn numbers(axis: &Axis, n: usize) -> String {
+    let kind = if axis.kind.is_empty() { "no kind" } else { &axis.kind };
+    format!("{} numbers per sample (axis {n}, {kind})", axis.size)
+}
+
+/// What takes vectors as they are stored to the world: the measurement frame, and the reflection of the space.
+pub(super) fn vectors_to_world(
+    header: &Header,
+    factors: [f64; 3],
+) -> Result<[[f64; 3]; 3], ReadFault> {
+    const EXPECTED: &str = "three vectors like (1,0,0)";
+    let columns = match header.get("measurement frame") {
+        None => ALONG_AXES,
+        Some(field) => {
+            let columns: Option<Vec<_>> = vectors(field)?.into_iter().collect();
+            let columns = columns.and_then(|columns| <[[f64; 3]; 3]>::try_from(columns).ok());
+            let finite = columns.filter(|all| all.iter().flatten().all(|c| c.is_finite()));
+            finite.ok_or_else(|| field.broken(EXPECTED))?
+        }
+    };
+    Ok(columns.map(|column| std::array::from_fn(|k| column[k] * factors[k])))
+}
+
+/// From samples to the world, the world, and the reflection that led to it.
+type Place = (Result<Affine, ReadFault>, Space, [f64; 3]);
 
 /// From samples to the world.
 pub(super) fn place(
@@ -136,7 +189,7 @@ pub(super) fn place(
             field.broken_as(EXPECTED, found)
         })
     });
-    Ok((affine, space))
+    Ok((affine, space, factors))
 }
 
 /// The world's axes, and the reflection that leads to them from those of the file.

@@ -97,6 +97,17 @@ fn units_are_assumed_where_nobody_gives_them() {
 }
 
 #[test]
+fn values_are_in_what_the_file_says_and_in_nothing_else() {
+    let unit = |lines: &str| cube(lines).sample_unit().map(str::to_owned);
+    assert_eq!(unit("sample units: HU"), Some("HU".into()));
+    assert_eq!(unit("sample units: \"degrees Celsius\""), Some("degrees Celsius".into()));
+    assert_eq!([unit("sample units: ???"), unit("spacings: 1 1 1")], [None, None]);
+    let flow = "type: uchar\ndimension: 4\nsizes: 3 2 3 4\nkinds: vector domain domain domain\n\
+                sample units: m/s";
+    is_refused(flow, "--quantity says what is read of vectors");
+}
+
+#[test]
 fn a_list_of_volumes_comes_last_and_never_first() {
     let lines = "type: uchar\ndimension: 4\nsizes: 2 3 4 5\nkinds: domain domain domain list";
     let file = open(lines);
