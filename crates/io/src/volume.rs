@@ -101,8 +101,8 @@ struct Described {
     sample_unit: Option<String>,
     /// Samples of three numbers, where the header says so.
     triples: Option<Triples>,
-    /// What takes vectors as they are stored to the world, as columns.
-    to_world: [Vector; 3],
+    /// What takes vectors as they are stored to the world, as columns; a fault only for who asks for vectors.
+    to_world: Result<[Vector; 3], ReadFault>,
     notes: Vec<String>,
 }
 

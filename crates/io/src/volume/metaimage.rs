@@ -113,7 +113,7 @@ impl Header {
             scaling: Scaling::IDENTITY,
             stored: self.stored(path, dtype, &sizes)?,
             triples,
-            to_world: ALONG_AXES,
+            to_world: Ok(ALONG_AXES),
             sample_unit: None,
             notes,
         })

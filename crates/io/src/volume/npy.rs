@@ -1,8 +1,8 @@
 //! NumPy's array file, versions 1 to 3, after NEP 1 (`numpy.lib.format`).
 //!
 //! An array is indexed `[z, y, x]`. Fewer axes are the last of these; an axis before them counts
-//! volumes. A fourth, last axis of size 3 may hold vectors. In Fortran order z lies fastest, and samples are turned round while they are read. NPY
-//! has neither place nor unit.
+//! volumes. A fourth, last axis of size 3 may hold vectors. In Fortran order z lies fastest, and
+//! samples are turned round while they are read. NPY has neither place nor unit.
 
 use super::{
     Described, sample_feature,
@@ -109,7 +109,7 @@ impl Header {
             scaling: Scaling::IDENTITY,
             stored: Stored { endian, order: self.order(dims, volumes)?, ..stored },
             triples: self.triples(dims, volumes)?,
-            to_world: ALONG_AXES,
+            to_world: Ok(ALONG_AXES),
             sample_unit: None,
             notes: vec![],
         })

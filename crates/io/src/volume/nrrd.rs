@@ -15,7 +15,6 @@ pub(super) use write::{write, write_detached};
 use super::{
     Described, sample_feature,
     stored::{Coding, Order, Skip, Stored},
-    vectors::ALONG_AXES,
 };
 use crate::{Endian, Format, ReadError, ReadFault, bytes::Bytes, text::Field};
 use header::Header;
@@ -49,11 +48,7 @@ fn described(header: &Header, path: &Path) -> Result<Described, ReadFault> {
         space,
         scaling: Scaling::IDENTITY,
         stored,
-        // Only vectors have a frame of their own.
-        to_world: match lattice.triples.is_some() || lattice.volumes == 3 {
-            true => axes::vectors_to_world(header, factors)?,
-            false => ALONG_AXES,
-        },
+        to_world: axes::vectors_to_world(header, factors),
         triples: lattice.triples,
         sample_unit: sample_unit(header)?,
         notes,

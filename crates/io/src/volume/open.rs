@@ -81,13 +81,17 @@ impl Described {
         job: &Job,
     ) -> Result<VolumeFile, ReadError> {
         let at = |fault: ReadFault| fault.at(path);
-        let (described, flow) = self.of_numbers(options).map_err(at)?;
+        let (described, wanted) = self.of_numbers(options).map_err(at)?;
         let mut notes = described.notes;
         let index = chosen(described.volumes, options, &mut notes).map_err(at)?;
         let found = (described.affine, described.unit, described.space);
         let frame = place::frame(found, described.has_geometry, options, &mut notes).map_err(at)?;
         let grid = lattice(described.stored.format, described.dims, described.volumes, frame)
             .map_err(at)?;
+        let flow = match wanted {
+            Some(wanted) => Some(Flow::new(wanted, &grid, described.to_world.map_err(at)?)),
+            None => None,
+        };
         let per_file = grid.count() * described.volumes / described.stored.files.count().max(1);
         let stored = Stored { per_file, ..described.stored };
         let first = grid.count() * index;
@@ -95,7 +99,7 @@ impl Described {
         let mut file = VolumeFile {
             path,
             grid,
-            flow: flow.map(|flow| Flow::new(flow, (&grid, described.to_world))),
+            flow,
             scaling: described.scaling,
             stored,
             first,

@@ -25,7 +25,7 @@ pub(super) fn describe(path: &Path, layout: RawLayout) -> Result<Described, Read
         scaling: Scaling::IDENTITY,
         stored: Stored { skip, endian: layout.endian, ends: true, ..stored },
         triples: None,
-        to_world: ALONG_AXES,
+        to_world: Ok(ALONG_AXES),
         sample_unit: None,
         notes: vec![],
     })

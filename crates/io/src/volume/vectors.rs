@@ -37,6 +37,15 @@ pub(super) struct Triples {
     pub(super) are_volumes: bool,
 }
 
+/// What is asked for of vectors, and how they lie.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    quantity: Quantity,
+    layout: Layout,
+    /// Of the lattice of vectors.
+    dims: [u64; 3],
+}
+
 /// What is made of a file of vectors.
 #[derive(Clone, Debug)]
 pub(super) struct Flow {
@@ -51,7 +60,7 @@ impl Described {
     pub(super) fn of_numbers(
         mut self,
         options: &VolumeOptions,
-    ) -> Result<(Self, Option<(Quantity, Layout, [u64; 3])>), ReadFault> {
+    ) -> Result<(Self, Option<Wanted>), ReadFault> {
         let triples = self.triples.take();
         let Some(quantity) = options.quantity else {
             let fault = triples.and_then(|triples| {
@@ -89,15 +98,14 @@ impl Described {
         let mut all = dims;
         all[along] = whole;
         (self.dims, self.volumes) = (all, 1);
-        Ok((self, Some((quantity, layout, dims))))
+        Ok((self, Some(Wanted { quantity, layout, dims })))
     }
 }
 
 impl Flow {
-    pub(super) fn new(
-        (quantity, layout, dims): (Quantity, Layout, [u64; 3]),
-        (all, to_world): (&Grid, [Vector; 3]),
-    ) -> Self {
+    /// Of the lattice of all numbers.
+    pub(super) fn new(wanted: Wanted, all: &Grid, to_world: [Vector; 3]) -> Self {
+        let Wanted { quantity, layout, dims } = wanted;
         let grid = Grid::new(dims, all.frame).expect("a third of a lattice is one");
         Self { quantity, layout, grid, to_world }
     }

@@ -120,12 +120,15 @@ pub(super) fn lattice(header: &Header, axes: &[Axis]) -> Result<Lattice, ReadFau
             return Err(field.unsupported(numbers(axis, n)));
         }
     }
-    let is_one =
-        |found: &Triples| (found.layout == Layout::Apart) == (volumes == 3) && volumes <= 3;
-    if found.as_ref().is_some_and(|found| !is_one(found)) {
-        return Err(field.unsupported("several volumes of vectors"));
-    }
-    Ok(Lattice { dims, volumes, spatial, triples: found })
+    let triples = match found {
+        Some(Triples { layout: Layout::Together, .. }) if volumes > 1 => {
+            return Err(field.unsupported("several volumes of vectors"));
+        }
+        // Components of several volumes of vectors are a list of volumes, as others are.
+        Some(Triples { layout: Layout::Apart, .. }) if volumes > 3 => None,
+        found => found,
+    };
+    Ok(Lattice { dims, volumes, spatial, triples })
 }
 
 /// What an axis counts that is none of space.

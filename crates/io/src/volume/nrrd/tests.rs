@@ -113,6 +113,12 @@ fn a_list_of_volumes_comes_last_and_never_first() {
     let file = open(lines);
     assert_eq!(file.grid().dims(), [2, 3, 4]);
     assert!(file.notes().iter().any(|note| note.contains("5 volumes")));
+    let flows =
+        "type: uchar\ndimension: 5\nsizes: 2 3 4 3 5\nkinds: domain domain domain vector time";
+    assert!(open(flows).notes().iter().any(|note| note.contains("15 volumes")));
+    // Where vectors point is for who asks for vectors.
+    let frame = lines.to_owned() + "\nmeasurement frame: none none none";
+    assert_eq!(open(&frame).grid().dims(), [2, 3, 4]);
     is_refused(
         "type: uchar\ndimension: 4\nsizes: 3 2 3 4\nkinds: RGB-color domain domain domain",
         "line 4: 3 numbers per sample (axis 0, rgb-color) is not supported",

@@ -22,8 +22,7 @@ fn numbers(together: bool) -> Vec<u8> {
 }
 
 fn read(path: &Path, quantity: Option<Quantity>) -> Result<Vec<f32>, String> {
-    let mut options = VolumeOptions::default();
-    options.quantity = quantity;
+    let options = VolumeOptions { quantity, ..VolumeOptions::default() };
     let input = read_volume(path, &options, &Job::default()).map_err(|error| error.to_string())?;
     assert_eq!(input.volume.grid().dims(), [2, 3, 4]);
     match input.volume {
@@ -38,9 +37,9 @@ fn check(name: &str, header: &[u8], together: bool, signs: [f32; 3]) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     fs::write(&path, [header, &numbers(together)].concat()).unwrap();
-    for axis in 0..3 {
+    for (axis, sign) in signs.into_iter().enumerate() {
         let found = read(&path, Some(Quantity::Component(axis))).unwrap();
-        let expected = (0..COUNT).map(|n| signs[axis] * vector(n)[axis]);
+        let expected = (0..COUNT).map(|n| sign * vector(n)[axis]);
         assert!(found.iter().copied().eq(expected), "{found:?}");
     }
     let speed = read(&path, Some(Quantity::Speed)).unwrap();
@@ -135,6 +134,11 @@ fn what_are_no_vectors_has_no_quantity() {
         "sizes: 2 3 4 1\nkinds: domain domain domain list",
         "three numbers per sample, found one",
     );
+    let frame =
+        "sizes: 3 2 3 4\nkinds: vector domain domain domain\nmeasurement frame: (1,0) none (0,1)";
+    refused(frame, "expected three vectors like (1,0,0)");
+    let lists = "sizes: 3 3 4 2\nkinds: vector domain domain list";
+    refused(lists, "several volumes of vectors");
     refused(
         "sizes: 3 2 3 4\nkinds: RGB-color domain domain domain",
         "3 numbers per sample (axis 0, rgb-color)",
