@@ -115,6 +115,10 @@ impl<'a, T: Sample> Vectors<'a, T> {
     /// # Errors
     ///
     /// If the job is cancelled or allows less memory.
+    ///
+    /// # Panics
+    ///
+    /// If a component is asked for that is not 0, 1 or 2.
     pub fn quantity(&self, quantity: Quantity, job: &Job) -> Result<Volume<f32>, Stopped> {
         let grid = self.components[0].grid();
         let slice = self.components[0].dims()[0] * self.components[0].dims()[1];

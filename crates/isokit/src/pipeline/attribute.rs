@@ -34,7 +34,7 @@ impl Scan {
     }
 
     /// The values of another scan at the vertices of a mesh of this one: NaN where it has none, as
-    /// [`probe`] says. The mesh is where this scan is; the other scan may have any lattice and any part.
+    /// [`probe`] says, or one beyond what f32 holds. The mesh is where this scan is; the other scan may have any lattice and any part.
     ///
     /// Both are taken to be in one world. Between RAS and LPS axes are turned and units are converted, where
     /// both scans say what theirs are; where either does not, [`differences`](Self::differences) says so.
@@ -60,7 +60,8 @@ impl Scan {
                 let value = |vertex: usize| {
                     let ijk = way.index_of(mesh.positions.get(vertex));
                     let ijk = std::array::from_fn(|k| ijk[k] - first[k]);
-                    probe(&view, ijk, between).map_or(f32::NAN, |value| value as f32)
+                    let value = probe(&view, ijk, between).map(|value| value as f32);
+                    value.filter(|value| value.is_finite()).unwrap_or(f32::NAN)
                 };
                 range.map(value).collect::<Vec<f32>>()
             }))

@@ -158,10 +158,11 @@ fn plain(flow: &[Volume<f64>; 3], ijk: [usize; 3], step: f64, quantity: Quantity
         }
     }
     let (mut spin, mut strain, mut curl) = (0.0, 0.0, [0.0; 3]);
-    for c in 0..3 {
-        for k in 0..3 {
-            spin += (0.5 * (gradient[c][k] - gradient[k][c])).powi(2);
-            strain += (0.5 * (gradient[c][k] + gradient[k][c])).powi(2);
+    let other = |c: usize, k: usize| gradient[k][c];
+    for (c, row) in gradient.iter().enumerate() {
+        for (k, entry) in row.iter().enumerate() {
+            spin += (0.5 * (entry - other(c, k))).powi(2);
+            strain += (0.5 * (entry + other(c, k))).powi(2);
         }
         let (i, j) = ((c + 1) % 3, (c + 2) % 3);
         curl[c] = gradient[j][i] - gradient[i][j];

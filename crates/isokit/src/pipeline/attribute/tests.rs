@@ -124,6 +124,15 @@ fn caps_have_values_and_what_is_outside_has_none() {
 }
 
 #[test]
+fn a_value_that_f32_cannot_hold_is_none() {
+    let (ball, job) = (ball(), Job::default());
+    let large = scan([20; 3], ras(), |[x, ..]| if x > 0.0 { 1e39 } else { -1e38 });
+    let values = ball.attribute(&mesh(&ball), &large, Between::Nearest, &job).unwrap();
+    assert!(values.iter().all(|&value| value.is_nan() || value == -1e38));
+    assert!(values.iter().any(|value| value.is_nan()) && values.contains(&-1e38));
+}
+
+#[test]
 fn any_number_of_threads_gives_the_same_values() {
     let (ball, other) = (ball(), scan([15; 3], ras(), |[x, y, z]| (x * y + z).sin()));
     let mesh = mesh(&ball);
