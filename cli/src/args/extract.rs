@@ -89,7 +89,7 @@ pub(crate) struct ExtractArgs {
     pub(crate) color: ColorArgs,
     /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Made
     /// when it is first asked for or the volume has changed; the mesh does not depend on it
-    #[arg(long, conflicts_with_all = ["roi", "roi_mm", "max_memory"], help_heading = "Speed")]
+    #[arg(long, conflicts_with_all = ["roi", "roi_mm", "max_memory", "quantity"], help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
     /// the same. Not with --normals area, --refine, --max-error, --balance, --attribute or --texture, nor for -o - or NPY in Fortran order

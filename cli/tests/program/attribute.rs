@@ -122,6 +122,7 @@ fn what_does_not_fit_is_refused_before_anything_is_read() {
         ("--attribute b.nii --colormap jet -o a.ply", "expected one of viridis"),
         ("--attribute b.nii --dump-scene s.toml -o a.ply", "no colours of vertices"),
         ("--quantity speed --max-memory 1GiB -o a.ply", "--quantity needs all vectors"),
+        ("--quantity speed --index -o a.ply", "--index"),
         ("--quantity curl -o a.ply", "expected x, y, z, speed"),
     ] {
         let ran = folder.run(&format!("extract none.nii --iso 1 {words}"));
