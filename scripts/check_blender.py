@@ -5,6 +5,8 @@ GLB, OBJ, PLY and STL of the same surfaces must land on the same place in Blende
 vertices, faces and normals, once the unit is divided out (glTF is in metres, the others keep the
 unit of the volume). Each importer turns its axes by its own default; nothing is set by hand here,
 because a user does not either. Materials are looked at where the format has them: GLB and OBJ.
+Values and colours of vertices must arrive where the report says that there are some and the format
+holds them, colours alike.
 
 Runs in the interpreter that `scripts/test --importers` sets up, wherever it is started from.
 """
@@ -25,6 +27,8 @@ PLACE = 1e-5
 """Positions agree to this part of the size: Blender keeps f32 and turns OBJ by a matrix of f32."""
 NORMAL = 0.9998
 """Least cosine between the normals of two formats: OBJ writes decimals, and turns them."""
+COLOUR = 1.5 / 255
+"""Colours agree to this in linear light: PLY has bytes, Blender may keep others as bytes."""
 LOST = 1000
 """One vertex in so many may differ: Blender's OBJ importer loses normals of needle triangles."""
 
@@ -50,6 +54,10 @@ class Arrived:
     """One per vertex: the sum over the corners that meet there, at length 1."""
     custom_normals: bool
     material: bpy.types.Material | None
+    values: np.ndarray | None
+    """One per vertex, where the file has them."""
+    colours: np.ndarray | None
+    """One per vertex, in linear light with opacity, where the file has them."""
 
     def bounds(self) -> np.ndarray:
         """Least and greatest corner."""
@@ -82,6 +90,28 @@ def array(items: object, attribute: str, width: int, dtype: type) -> np.ndarray:
     return values.reshape(-1, width)
 
 
+def values_of(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """The number of each vertex, by the name that glTF or PLY has for it."""
+    for name in ("_VALUE", "quality"):
+        found = mesh.attributes.get(name)
+        if found is not None and found.domain == "POINT":
+            return array(found.data, "value", 1, np.float32)[:, 0]
+    return None
+
+
+def colours_of(mesh: bpy.types.Mesh, at: np.ndarray) -> np.ndarray | None:
+    """The colour of each vertex, or of one corner `at` it."""
+    if not mesh.color_attributes:
+        return None
+    attribute = mesh.color_attributes[0]
+    found = array(attribute.data, "color", 4, np.float32)
+    if attribute.domain == "POINT":
+        return found
+    colours = np.zeros((len(mesh.vertices), 4), dtype=np.float32)
+    colours[at] = found
+    return colours
+
+
 def arrived(path: Path, unit: str | None) -> list[Arrived]:
     """The meshes of the scene, by name."""
     scale = file_unit(path.suffix, unit)
@@ -106,6 +136,8 @@ def arrived(path: Path, unit: str | None) -> list[Arrived]:
                 normals=normals / np.maximum(lengths, 1e-30),
                 custom_normals=mesh.has_custom_normals,
                 material=mesh.materials[0] if mesh.materials else None,
+                values=values_of(mesh),
+                colours=colours_of(mesh, at),
             )
         )
     return found
@@ -141,6 +173,31 @@ def check_alike(tally: Tally, subject: str, mesh: Arrived, first: Arrived, stl: 
     astray = int((cosines < NORMAL).sum())
     found = f"{astray} of {len(cosines)} differ"
     tally.check(subject, "Blender: same normals", astray <= len(cosines) // LOST, found)
+
+
+def check_carried(
+    tally: Tally, subject: str, mesh: Arrived, report: dict, suffix: str
+) -> None:
+    """The values and colours that the report speaks of, where the format holds them."""
+    carried = report.get("vertex_colors") or {}
+    if "attribute" in carried and suffix in (*GLTF, ".ply"):
+        found = mesh.values
+        if tally.check(subject, "Blender: vertices have values", found is not None):
+            stated = np.asarray(carried["attribute"]["range"])
+            ends = np.array([np.nanmin(found), np.nanmax(found)])
+            near = bool(np.allclose(ends, stated, rtol=1e-6))
+            tally.check(subject, "Blender: values of the report", near, ends)
+    if "colormap" in carried or "texture" in carried:
+        there = mesh.colours is not None
+        tally.check(subject, "Blender: vertices have colours", there or suffix == ".stl")
+
+
+def check_same_colours(tally: Tally, subject: str, mesh: Arrived, first: Arrived) -> None:
+    """The colours that the first file gave, but for opacity, which OBJ does not hold."""
+    if mesh.colours is None or first.colours is None or mesh.colours.shape != first.colours.shape:
+        return
+    apart = float(np.abs(mesh.colours - first.colours)[:, :3].max())
+    tally.check(subject, "Blender: same colours", apart <= COLOUR, f"{apart:.3g} apart")
 
 
 def check_material(tally: Tally, subject: str, mesh: Arrived, colour: str, gltf: bool) -> None:
@@ -183,8 +240,10 @@ def check_file(
         if len(meshes) > 1:
             tally.check(subject, "Blender: object has the name", name in mesh.name, mesh.name)
         check_alone(tally, subject, mesh, surface, has_normals=suffix != ".stl")
+        check_carried(tally, subject, mesh, report, suffix)
         if name in first:
             check_alike(tally, subject, mesh, first[name], stl=suffix == ".stl")
+            check_same_colours(tally, subject, mesh, first[name])
         if name in colours and suffix not in (".ply", ".stl"):
             material = mesh.material.name if mesh.material else None
             tally.check(subject, "Blender: material has the name", material == name, material)

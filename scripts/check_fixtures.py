@@ -4,7 +4,7 @@
 Each volume is closed by default, so each file must be watertight for every reader and agree with
 its report; with an open border the same surfaces may have an edge but must still be two-manifold.
 The head phantom is also written with two surfaces, skin and bone, for the checks of names and
-materials. The meshes stay in the folder that is named, for Blender and the glTF validator.
+materials. A ball has vertices with values and colours. The meshes stay in the folder that is named, for Blender and the glTF validator.
 """
 
 import argparse
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from check_mesh import check_file
+from kit.colored import check_colored
 from kit.program import PROJECT, Failed, Isokit
 from kit.tally import Tally
 
@@ -84,6 +85,7 @@ def main() -> int:
     tally = Tally("check_fixtures")
     for case in cases(PROJECT / "fixtures/volumes"):
         check_case(tally, Isokit(arguments.isokit), arguments.folder, case)
+    check_colored(tally, Isokit(arguments.isokit), arguments.folder)
     return tally.finish()
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import trimesh
 
 import check_data
+from kit import colored
 from check_mesh import check_file
 from check_ties import mesh_faults
 from kit.manifest import Facts
@@ -168,6 +169,50 @@ def test_report(tally: Tally, folder: Path) -> None:
     found = failing(write(folder / "unscaled.glb", sphere(), unit="m"), sound)
     places = {f"report: {key}" for key in ("area", "volume", "bounds")}
     tally.check("millimetres in GLB", "fail by size", found == places, found)
+
+
+def write_colored(path: Path, spoil: str = "") -> Path:
+    """The sphere with the values and colours that are known, or with one of them wrong."""
+    mesh = sphere()
+    mesh.apply_translation(-mesh.centroid)  # to where the field has values within its colours
+    values = colored.field_at(mesh.vertices)
+    colours = colored.colours_of(values)
+    if path.suffix == ".glb" and spoil != "encoded":
+        colours = colored.linear_light(colours)
+    if spoil == "values":
+        values[7] += 0.01
+    if spoil == "colours":
+        colours[7, 1] = (colours[7, 1] + 0.5) % 1
+    if spoil != "colourless":
+        mesh.visual.vertex_colors = np.round(colours * 255).astype(np.uint8)
+    if spoil != "valueless":
+        mesh.vertex_attributes[{".glb": "_VALUE"}.get(path.suffix, "quality")] = values.astype("f4")
+    return write(path, mesh)
+
+
+def test_colored(tally: Tally, folder: Path) -> None:
+    """Values and colours of vertices are compared, and missed."""
+    values, colours = ({f"{reader}: {what}" for reader in ("trimesh", "MeshLab")}
+                       for what in ("values", "colours"))
+    alone = {claim for claim in values | colours if "trimesh" in claim}
+    for suffix, spoil, expected in (
+        (".ply", "", set()),
+        (".glb", "", set()),
+        (".obj", "", set()),
+        (".ply", "values", values),
+        (".ply", "valueless", values),
+        (".ply", "colours", colours),
+        (".ply", "colourless", colours),
+        (".obj", "colours", colours),
+        (".obj", "colourless", colours),
+        (".glb", "values", values & alone),
+        (".glb", "encoded", colours & alone),
+    ):
+        record = Record()
+        colored.check_carried(record, write_colored(folder / f"colored{suffix}", spoil))
+        found = {claim for _, claim, holds, _ in record.claims if not holds}
+        subject = f"colored{suffix} {spoil}".strip()
+        tally.check(subject, "fails where it is spoilt", found == expected, found)
 
 
 def test_ties_and_data(tally: Tally) -> None:
@@ -343,6 +388,7 @@ def main() -> int:
         folder = Path(name)
         test_check_mesh(tally, folder)
         test_report(tally, folder)
+        test_colored(tally, folder)
         test_ties_and_data(tally)
         if arguments.importers:
             test_blender(tally, folder)
