@@ -126,7 +126,7 @@ def values_of(part: Part, suffix: str) -> np.ndarray | None:
 def colours_in(part: Part) -> np.ndarray | None:
     """The colours of the vertices as trimesh has them, 0 to 1; none if there are none."""
     visual = part.mesh.visual
-    found = visual.vertex_attributes.get("color") if visual.kind == "texture" else None
+    found = part.mesh.vertex_attributes.get("color")
     if found is None and visual.kind == "vertex":
         found = visual.vertex_colors
     if found is None:

@@ -32,6 +32,10 @@ def parts_of(path: Path) -> list[Part]:
     for node in sorted(scene.graph.nodes_geometry):
         transform, geometry = scene.graph[node]
         mesh = scene.geometry[geometry].copy()
+        # A copy loses the colours of glTF that stand beside a material; those of OBJ are where these go.
+        beside = getattr(scene.geometry[geometry].visual, "vertex_attributes", {}).get("color")
+        if beside is not None:
+            mesh.vertex_attributes["color"] = np.array(beside)
         if not np.array_equal(transform, np.eye(4)):
             mesh.apply_transform(transform)
         if path.suffix.lower() == ".stl":
