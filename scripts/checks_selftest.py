@@ -89,7 +89,8 @@ def test_report(tally: Tally, folder: Path) -> None:
 
 def test_colored(tally: Tally, folder: Path) -> None:
     """Values and colours of vertices are compared, and missed."""
-    values, colours = {"trimesh: values", "MeshLab: values"}, {"trimesh: colours", "MeshLab: colours"}
+    values = {"trimesh: values", "MeshLab: values"}
+    colours = {"trimesh: colours", "MeshLab: colours"}
     for suffix, spoil, expected in (
         (".ply", "", set()),
         (".glb", "", set()),
