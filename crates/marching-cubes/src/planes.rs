@@ -112,7 +112,7 @@ pub(crate) struct Plane {
 
 impl Plane {
     /// Nothing but zeros.
-    fn blank(lattice: Lattice) -> Self {
+    pub(crate) fn blank(lattice: Lattice) -> Self {
         let blank = vec![0; lattice.slice_words()];
         Self { lattice, first: lattice.guard, groups: vec![], together: 1, blank }
     }

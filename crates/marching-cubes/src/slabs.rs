@@ -75,7 +75,8 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
         let mut planes = on_threads(job, || making.planes(&view))?;
         for (n, (surface, planes)) in surfaces.iter_mut().zip(&mut planes).enumerate() {
             let mut sink = sinks.sink(n);
-            on_threads(job, || making.part(&window, planes, surface, &mut sink))?;
+            let held = window.held(planes.lattice);
+            on_threads(job, || making.part(&held, planes, surface, &mut sink))?;
         }
     }
     if let Some(first) = window.nan.first {
@@ -99,7 +100,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
 }
 
 /// What can be told before the first sample.
-fn check<E>(grid: &Grid, slabs: &Slabs<'_>) -> Result<(), ExtractError<E>> {
+pub(crate) fn check<E>(grid: &Grid, slabs: &Slabs<'_>) -> Result<(), ExtractError<E>> {
     if let Some(&iso) = slabs.isos.iter().find(|iso| !iso.is_finite()) {
         return Err(ExtractError::Iso(iso));
     }
@@ -112,28 +113,37 @@ fn check<E>(grid: &Grid, slabs: &Slabs<'_>) -> Result<(), ExtractError<E>> {
 }
 
 /// How far a surface is.
-struct Surface {
+pub(crate) struct Surface {
     iso: f64,
     /// Vertices and triangles so far.
-    counts: Counts,
-    singular_cells: u64,
-    is_begun: bool,
-    is_too_large: bool,
+    pub(crate) counts: Counts,
+    pub(crate) singular_cells: u64,
+    pub(crate) is_begun: bool,
+    pub(crate) is_too_large: bool,
+}
+
+/// Slices of a volume that are in memory.
+pub(crate) struct Held<'a, T> {
+    pub(crate) view: View<'a, T>,
+    /// The number of the first of them in the volume.
+    pub(crate) first: u64,
+    /// Slices of the lattice over them whose surface is made now.
+    pub(crate) own: Range<usize>,
 }
 
 impl Surface {
-    fn new(iso: f64) -> Self {
+    pub(crate) fn new(iso: f64) -> Self {
         let counts = Counts::default();
         Self { iso, counts, singular_cells: 0, is_begun: false, is_too_large: false }
     }
 }
 
 /// What holds for all parts of all surfaces.
-struct Making<'a> {
-    slabs: &'a Slabs<'a>,
+pub(crate) struct Making<'a> {
+    pub(crate) slabs: &'a Slabs<'a>,
     /// And the margin.
-    precision: (Precision, f64),
-    job: &'a Job,
+    pub(crate) precision: (Precision, f64),
+    pub(crate) job: &'a Job,
 }
 
 impl Making<'_> {
@@ -149,18 +159,18 @@ impl Making<'_> {
     }
 
     /// The part of a surface that belongs to the slices of a window.
-    fn part<T: Sample, S: MeshSink<Error: Send>>(
+    pub(crate) fn part<T: Sample, S: MeshSink<Error: Send>>(
         &self,
-        window: &Window<T>,
+        held: &Held<'_, T>,
         planes: &mut Planes,
         surface: &mut Surface,
         sink: &mut S,
     ) -> Result<(), ExtractError<S::Error>> {
-        let (view, lattice, job) = (window.view(), planes.lattice, self.job);
+        let (view, lattice, job) = (held.view, planes.lattice, self.job);
         if planes.is_empty() || !lattice.has_cells() {
             return Ok(());
         }
-        let part = Part { slices: window.own(lattice), before: surface.counts };
+        let part = Part { slices: held.own.clone(), before: surface.counts };
         let layers = self.layers_per_task(&part.slices);
         let values = Values::new(view, surface.iso, lattice.guard);
         let is_trilinear = self.slabs.options.topology == Topology::Trilinear;
@@ -178,7 +188,7 @@ impl Making<'_> {
         if surface.is_too_large {
             return Ok(()); // only to count it
         }
-        let first_slice = window.first() as f64;
+        let first_slice = held.first as f64;
         let placer = Placer::new(view, surface.iso, self.precision.1, first_slice)
             .with_options(self.slabs.options);
         let winding = Winding::of(view.frame());

@@ -102,7 +102,20 @@ pub(crate) struct Visits {
     runs: Runs,
 }
 
+/// Where the words of brick `x` of `nx` end.
+fn last(x: usize, nx: usize, end: usize, words: usize) -> usize {
+    if x + 1 == nx { words } else { end }
+}
+
 impl Visits {
+    /// Those of the bricks that are set.
+    pub(crate) fn new(grid: BrickGrid, lattice: Lattice, near: &[bool]) -> Self {
+        let nx = grid.counts()[0];
+        // Behind a guard every sample is one bit further up.
+        let of_points = |x: usize| x..last(x, nx, x + 1 + lattice.guard, lattice.words);
+        Self { lattice, runs: Runs::new(grid, |n| near[n], of_points) }
+    }
+
     /// Whether a slice of the lattice has none.
     pub(crate) fn skips_slice(&self, z: usize) -> bool {
         self.runs.skips_slice(z.saturating_sub(self.lattice.guard))
@@ -134,10 +147,7 @@ impl Choice {
     /// From the sides of all bricks for each isovalue.
     pub(crate) fn new(grid: BrickGrid, sides: &[Sides], lattice: Lattice) -> Self {
         let [nx, ..] = grid.counts();
-        let last = |x: usize, end: usize, words: usize| if x + 1 == nx { words } else { end };
-        let of_samples = |x: usize| x..last(x, x + 1, words(grid.dims()[0]));
-        // Behind a guard every sample is one bit further up.
-        let of_points = |x: usize| x..last(x, x + 1 + lattice.guard, lattice.words);
+        let of_samples = |x: usize| x..last(x, nx, x + 1, words(grid.dims()[0]));
         let count: usize = grid.counts().iter().product();
         let both = |n: usize| sides.iter().any(|sides| sides.of_brick[n] == Side::Both);
         let is_compared: Vec<bool> = (0..count).map(both).collect();
@@ -149,7 +159,7 @@ impl Choice {
                 let capped = |n: usize| of_brick[n] == Side::Inside && is_at_border(&grid, n);
                 near.iter_mut().enumerate().for_each(|(n, near)| *near |= capped(n));
             }
-            visits.push(Visits { lattice, runs: Runs::new(grid, |n| near[n], of_points) });
+            visits.push(Visits::new(grid, lattice, &near));
             (0..3).for_each(|axis| spread(&mut near, grid.counts(), axis));
             let is_needed = |n: usize| near[n] && of_brick[n] == Side::Inside && !is_compared[n];
             full.push(Runs::new(grid, is_needed, of_samples));

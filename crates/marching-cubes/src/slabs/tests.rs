@@ -204,7 +204,8 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
         window.advance(source, &job).unwrap();
         windows += 1;
         let mut planes = making.planes::<u8, Infallible>(&window.view()).unwrap();
-        making.part(&window, &mut planes[0], &mut surface, &mut mesh.refill()).unwrap();
+        let held = window.held(planes[0].lattice);
+        making.part(&held, &mut planes[0], &mut surface, &mut mesh.refill()).unwrap();
     }
     let whole = extract(&volume.view(), 2.0, options, &job).unwrap().counts();
     assert!(surface.is_too_large && windows > 1, "{windows} windows");

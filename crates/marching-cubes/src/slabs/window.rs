@@ -1,6 +1,6 @@
 //! The slices of a volume that are in memory.
 
-use super::Slabs;
+use super::{Held, Slabs};
 use crate::{Placement, found::Found, planes::Lattice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{has_nan, nans, words};
@@ -80,9 +80,9 @@ impl<T: Sample> Window<T> {
         (slice - self.held.start) as usize * self.slice
     }
 
-    /// The number of the first slice that is held.
-    pub(super) fn first(&self) -> u64 {
-        self.held.start
+    /// All slices that are held, and which of them are to be made.
+    pub(super) fn held(&self, lattice: Lattice) -> Held<'_, T> {
+        Held { view: self.view(), first: self.held.start, own: self.own(lattice) }
     }
 
     /// All slices that are held, in the frame of the volume.
@@ -99,7 +99,7 @@ impl<T: Sample> Window<T> {
     }
 
     /// The slices of the lattice over the window whose surface is made now.
-    pub(super) fn own(&self, lattice: Lattice) -> Range<usize> {
+    fn own(&self, lattice: Lattice) -> Range<usize> {
         let start = if self.held.start == 0 { 0 } else { self.placement.below() + lattice.guard };
         let looked_at = if self.is_last() { 0 } else { self.placement.above() + lattice.guard };
         start..lattice.points[2] - looked_at
