@@ -62,8 +62,8 @@ pub trait ScalarField: Sync {
     /// The value, its gradient and its Hessian.
     fn jet(&self, ijk: [f64; 3]) -> Jet;
 
-    /// No value in a box of index space is outside of these bounds, which may be wider than need be. Default: nothing is
-    /// known.
+    /// No value in a box of index space is outside of these bounds, which may be wider than need be. Where a value may be
+    /// NaN, nothing is known, as by default: [`Interval::EVERYTHING`].
     fn bounds(&self, _ijk: Aabb) -> Interval {
         Interval::EVERYTHING
     }

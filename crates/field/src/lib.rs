@@ -3,14 +3,20 @@
 //! A [`ScalarField`] tells value, gradient and Hessian at any point of index space. [`Sampled`] is a volume
 //! seen that way, through cubics along each axis. A [`SeparableKernel`] says how much of each sample is the value between
 //! them, and [`resample`] makes other samples with it; [`Filter`] has those of the field. [`probe`] gives the value at
-//! a place.
+//! a place. From a field to samples leads [`sample`], or [`FieldSamples`], where only a few are wanted. What every
+//! field owes to whoever asks it, the feature `conformance` has as a suite for tests.
 
+#[cfg(any(test, feature = "conformance"))]
+pub mod conformance;
 mod field;
 mod filter;
 mod interval;
 mod kernel;
+#[cfg(test)]
+mod kit;
 mod probe;
 mod resample;
+mod sample;
 mod sampled;
 
 pub use field::{Jet, ScalarField, Slope};
@@ -18,4 +24,5 @@ pub use filter::{Filter, SeparableKernel, Spline, Window};
 pub use interval::Interval;
 pub use probe::{Between, probe};
 pub use resample::{ResampleError, resample, resample_nearest};
+pub use sample::{FieldSamples, FieldSlices, sample};
 pub use sampled::Sampled;

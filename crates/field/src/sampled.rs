@@ -11,12 +11,15 @@
 //! A sample that is not finite leaves no value in the cells whose stencils it is in.
 
 use crate::{
-    Jet, ScalarField, Slope,
+    Interval, Jet, ScalarField, Slope,
     kernel::{Cubic, Stencil, WIDTH, around_cell, samples, stretch},
 };
-use isokit_geom::Affine;
+use isokit_geom::{Aabb, Affine};
 use isokit_volume::{Dtype, Sample, View};
 use std::ops::Range;
+
+/// Bounds of a box that more samples are in are not looked for.
+const MOST: usize = 1 << 18;
 
 /// The cubic function through the samples of a volume.
 #[derive(Clone, Copy, Debug)]
@@ -89,6 +92,39 @@ impl<'a, T: Sample> Sampled<'a, T> {
                 |j: usize, i: usize| weighed(weights, [0, 1, 2, 3].map(|k| along_y[k][j][i]));
             [0, 1, 2, 3].map(|j| [0, 1, 2, 3].map(|i| scaling.value(point(j, i))))
         })
+    }
+
+    /// Bounds of the samples, as stored, that the function is made of in a box, and whether a cell of these is at the border.
+    /// None if a sample is not finite, if the box leaves the lattice, or if there are too many to look at.
+    fn stored_around(&self, ijk: Aabb) -> Option<([f64; 2], bool)> {
+        let dims = self.view.dims();
+        let mut is_border = false;
+        let mut lines: [Range<usize>; 3] = Default::default();
+        for axis in 0..3 {
+            let (low, high, last) = (ijk.min[axis], ijk.max[axis], dims[axis] - 1);
+            if !(low >= 0.0 && low <= high && high <= last as f64) {
+                return None;
+            }
+            let [first, end] = [samples(low, dims[axis]), samples(high, dims[axis])];
+            lines[axis] = first.start..end.end;
+            // Those whose stencils are one-sided.
+            is_border |= low < 1.0 || high >= last.saturating_sub(1) as f64;
+        }
+        let [x, y, z] = lines;
+        if x.len().saturating_mul(y.len()).saturating_mul(z.len()) > MOST {
+            return None;
+        }
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        for (k, j) in z.flat_map(|k| y.clone().map(move |j| (k, j))) {
+            for i in x.clone() {
+                let stored = self.view.stored([i, j, k]).to_f64();
+                if !stored.is_finite() {
+                    return None;
+                }
+                ends = [ends[0].min(stored), ends[1].max(stored)];
+            }
+        }
+        Some((ends, is_border))
     }
 
     fn stencils(&self, ijk: [f64; 3]) -> [Stencil; 3] {
@@ -185,6 +221,51 @@ impl<T: Sample> ScalarField for Sampled<'_, T> {
         let rows = z.flat_map(|k| y.clone().map(move |j| [j, k]));
         let mut places = rows.flat_map(|[j, k]| x.clone().map(move |i| [i, j, k]));
         is_place && places.all(|place| is_finite(self.view.stored(place)))
+    }
+
+    /// From the least and the greatest sample around, whose middle no value is farther from than half of what they are from each other times
+    /// [`growth`](Sampled::growth). Of more than 2¹⁸ samples nothing is said.
+    fn bounds(&self, ijk: Aabb) -> Interval {
+        let Some(([least, greatest], is_border)) = self.stored_around(ijk) else {
+            return Interval::EVERYTHING;
+        };
+        let middle = 0.5 * least + 0.5 * greatest;
+        // A sum of 64 products, each off by a few units in its last place, of which weights are no more together than this.
+        let rounding = 128.0 * f64::EPSILON * least.abs().max(greatest.abs());
+        let half = Self::growth(is_border) * (0.5 * greatest - 0.5 * least + rounding);
+        let scaling = self.view.scaling();
+        let [a, b] = [middle - half, middle + half].map(|stored| scaling.value(stored));
+        // What a value means is rounded after that: a step farther, so that none is without.
+        let (low, high) = (a.min(b).next_down(), a.max(b).next_up());
+        match low.is_finite() && high.is_finite() {
+            true => Interval { low, high },
+            false => Interval::EVERYTHING,
+        }
+    }
+
+    fn fill(&self, points: [Range<usize>; 3], values: &mut [f64]) {
+        let [x, y, z] = &points;
+        assert_eq!(values.len(), x.len() * y.len() * z.len(), "one value for each point");
+        if values.is_empty() {
+            return;
+        }
+        let ijk = Aabb {
+            min: points.each_ref().map(|range| range.start as f64),
+            max: points.each_ref().map(|range| (range.end - 1) as f64),
+        };
+        // At a sample its weight is 1 and those of others are 0, which matters where they are not finite.
+        let is_float = matches!(T::DTYPE, Dtype::F32 | Dtype::F64);
+        let are_samples = !is_float || self.stored_around(ijk).is_some();
+        let rows = z.clone().flat_map(|k| y.clone().map(move |j| [j, k]));
+        for (row, [j, k]) in values.chunks_exact_mut(x.len()).zip(rows) {
+            for (value, i) in row.iter_mut().zip(x.clone()) {
+                *value = match are_samples {
+                    // As in the sum, which has no −0.
+                    true => self.view.scaling().value(self.view.stored([i, j, k]).to_f64() + 0.0),
+                    false => self.value([i, j, k].map(|c| c as f64)),
+                };
+            }
+        }
     }
 
     fn slope(&self, ijk: [f64; 3]) -> Slope {
