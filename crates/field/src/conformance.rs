@@ -7,7 +7,7 @@
 //! - The gradient is that of differences of values h = 2⁻¹² apart. It lies between the slopes on either side of a place,
 //!   (f(x) − f(x − h))/h and (f(x + h) − f(x))/h, which of a smooth function differ by about h f″, and where it has an edge by how
 //!   much it turns there; but for four times what these slopes change by with half the step, which is h/4 of the second derivatives
-//!   on both sides, for h² of the gradient and the values, and for rounding, 2⁻⁴⁸ of the values over h.
+//!   on both sides, for h² of the gradient and the values, and for rounding, 2⁻⁴⁸ of the greatest value or derivative over h.
 //! - The Hessian is symmetric, and is to differences of gradients as gradients are to those of values. One that is not finite is not
 //!   looked at: there is none.
 //! - No value in a box is without its bounds. Where one is NaN nothing is known.
@@ -172,6 +172,8 @@ fn answers_agree(field: &dyn ScalarField, ijk: [f64; 3]) {
 
 fn derivatives_are_those_of_differences(field: &dyn ScalarField, ijk: [f64; 3]) {
     let jet = field.jet(ijk);
+    let parts = jet.gradient.iter().chain(jet.hessian.as_flattened());
+    let greatest = parts.fold(jet.value.abs(), |most, part| most.max(part.abs()));
     for axis in 0..3 {
         let around = [-1.0, -0.5, 0.5, 1.0].map(|steps| {
             let mut place = ijk;
@@ -179,7 +181,7 @@ fn derivatives_are_those_of_differences(field: &dyn ScalarField, ijk: [f64; 3]) 
             field.jet(place)
         });
         let far = |of: &dyn Fn(&Jet) -> f64, slope: f64, what: &str| {
-            let found = is_slope(of(&jet), around.each_ref().map(of), slope);
+            let found = is_slope(of(&jet), around.each_ref().map(of), slope, greatest);
             assert!(
                 found.is_none(),
                 "{what} along axis {axis} at {ijk:?} is {slope}, but differences are {found:?}"
@@ -193,8 +195,8 @@ fn derivatives_are_those_of_differences(field: &dyn ScalarField, ijk: [f64; 3]) 
 }
 
 /// Whether a number is the slope at a place: if not, what the slopes before and after it are, from numbers one step and half a
-/// step away.
-fn is_slope(here: f64, around: [f64; 4], slope: f64) -> Option<[f64; 2]> {
+/// step away; `greatest` is that of all that is said of the place.
+fn is_slope(here: f64, around: [f64; 4], slope: f64, greatest: f64) -> Option<[f64; 2]> {
     let [below, near_below, near_above, above] = around;
     if !around.iter().chain([&here, &slope]).all(|x| x.is_finite()) {
         return None;
@@ -202,7 +204,7 @@ fn is_slope(here: f64, around: [f64; 4], slope: f64) -> Option<[f64; 2]> {
     let [before, after] = [(here - below) / STEP, (above - here) / STEP];
     let [near_before, near_after] = [here - near_below, near_above - here].map(|x| 2.0 * x / STEP);
     let bent = (near_before - before).abs() + (near_after - after).abs();
-    let most = around.iter().fold(here.abs(), |most, x| most.max(x.abs()));
+    let most = around.iter().fold(greatest, |most, x| most.max(x.abs()));
     let small = STEP * STEP * (slope.abs() + most) + ROUNDING * most / STEP;
     let far = 0.5 * (after - before).abs() + 4.0 * bent + small;
     ((slope - 0.5 * (before + after)).abs() > far).then_some([before, after])

@@ -5,9 +5,13 @@
 //! the volume is outside of all times.
 
 use isokit::{
-    field::Filter,
+    field::{FieldSamples, FieldSlices, Filter, Jet, ScalarField, Slope},
+    geom::Affine,
     job::{Job, Threads},
+    marching_cubes::{Budget, ExtractOptions, Extracted, Slabs, extract_slabs, extract_sparse},
+    mesh::TriMesh,
     pipeline::Scan,
+    solid::{Model, Placed},
     volume::{AnyVolume, Dtype, Grid, Sample, Volume, for_any, for_dtype},
 };
 use serde::{Deserialize, Serialize};
@@ -16,6 +20,7 @@ use std::{
     hint::black_box,
     io::{BufRead, BufWriter, Read, Write, stdin, stdout},
     num::NonZeroUsize,
+    ops::Range,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -36,6 +41,20 @@ enum Request {
     Histogram { threads: usize },
     /// Area, volume and gradient at all isovalues.
     Spectrum { threads: usize },
+    /// The surface of a shape, on a lattice of so many samples along its longest axis.
+    Shape { threads: usize, path: PathBuf, samples: u32, how: How },
+}
+
+/// How a shape becomes a mesh.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum How {
+    /// With samples near the surface.
+    Sparse,
+    /// With all samples, of which those in a brick cost what the brick's part of the shape costs.
+    Bricks,
+    /// With all samples, each made of the whole shape.
+    Dense,
 }
 
 /// What was found.
@@ -43,6 +62,12 @@ enum Request {
 struct Answer {
     /// Wall time.
     seconds: f64,
+    /// Of a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangles: Option<u64>,
+    /// What was not done for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u64>,
     /// Why there is no result.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
@@ -69,10 +94,13 @@ fn answer(request: Request, loaded: &mut Option<Scan>) -> Result<Answer, Failure
         *loaded = Some(for_dtype!(dtype, T => Scan::new(read::<T>(&path, dims)?)));
         return Ok(Answer::default());
     }
+    if let Request::Shape { threads, path, samples, how } = request {
+        return shape(&path, samples, how, &job(threads)?);
+    }
     // A scan looks for what it is asked once: each time another one is asked.
     let scan = loaded.take().ok_or("nothing is loaded")?;
     let seconds = match request {
-        Request::Load { .. } => unreachable!("done above"),
+        Request::Load { .. } | Request::Shape { .. } => unreachable!("done above"),
         Request::Resample { threads, spacing, out } => {
             let job = job(threads)?;
             let (seconds, made) =
@@ -103,7 +131,62 @@ fn answer(request: Request, loaded: &mut Option<Scan>) -> Result<Answer, Failure
         }
     };
     *loaded = Some(Scan::new(for_any!(scan.volume(), volume => AnyVolume::from(volume.clone()))));
-    Ok(Answer { seconds, error: None })
+    Ok(Answer { seconds, ..Answer::default() })
+}
+
+/// A field that is as dear in a part as in whole.
+struct Whole<'a>(&'a Placed);
+
+impl ScalarField for Whole<'_> {
+    fn dims(&self) -> [usize; 3] {
+        self.0.dims()
+    }
+
+    fn index_to_world(&self) -> Affine {
+        self.0.index_to_world()
+    }
+
+    fn value(&self, ijk: [f64; 3]) -> f64 {
+        self.0.value(ijk)
+    }
+
+    fn slope(&self, ijk: [f64; 3]) -> Slope {
+        self.0.slope(ijk)
+    }
+
+    fn jet(&self, ijk: [f64; 3]) -> Jet {
+        self.0.jet(ijk)
+    }
+
+    fn fill(&self, points: [Range<usize>; 3], values: &mut [f64]) {
+        self.0.fill(points, values);
+    }
+}
+
+fn shape(path: &Path, samples: u32, how: How, job: &Job) -> Result<Answer, Failure> {
+    let solid = toml::from_str::<Model>(&std::fs::read_to_string(path)?)?.build()?;
+    let bounds = solid.bounds().ok_or("the shape has no end")?;
+    let longest = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
+    // Two samples are left around it.
+    let grid = solid.grid([longest / f64::from(samples - 5); 3])?;
+    let placed = solid.placed(&grid);
+    let whole = Whole(&placed);
+    let options = &ExtractOptions::DEFAULT;
+    let mut mesh = TriMesh::with_normals();
+    let (seconds, told) = timed(|| -> Result<Extracted, Failure> {
+        if let How::Sparse = how {
+            let source = FieldSamples::<f32>::new(&placed, grid.frame)?;
+            return Ok(extract_sparse(&source, 0.0, options, &mut mesh.refill(), job)?);
+        }
+        let field: &dyn ScalarField = if let How::Dense = how { &whole } else { &placed };
+        let source = &mut FieldSlices::new(FieldSamples::<f32>::new(field, grid.frame)?, job);
+        let budget = Budget { window: 64, piece_bytes: u64::MAX };
+        let slabs = Slabs { isos: &[0.0], options, budget };
+        let sinks = &mut vec![mesh.refill()];
+        Ok(extract_slabs(source, &slabs, sinks, job)?.remove(0))
+    });
+    let (samples, triangles) = (told?.skipped.samples_read, mesh.triangles.len() as u64);
+    Ok(Answer { seconds, triangles: Some(triangles), samples: Some(samples), ..Answer::default() })
 }
 
 fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
