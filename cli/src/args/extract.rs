@@ -20,15 +20,17 @@ Examples:
   isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 -o half.stl
   isokit extract t1.nii.gz --iso 80 --attribute pet.nii.gz --colormap magma -o hot.glb
   isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
+  isokit extract bracket.toml --spacing 0.1 -o bracket.stl
 
-Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`.")]
+Meshes: .glb .gltf .obj .ply .stl. Volumes: NIfTI, NRRD, MetaImage, NPY, raw; see `isokit info`. Shapes: .toml .json;
+see `isokit sample`.")]
 pub(crate) struct ExtractArgs {
-    /// The volume
+    /// The volume; or a shape, of which samples are made only near its surface: it needs --spacing
     pub(crate) volume_file: PathBuf,
     /// Value of the surface: a number, auto (Otsu's; printed), or a percentage of the range such as 50%.
     /// A name and a colour may follow: V:name:#rrggbb[aa]. Repeat it for several surfaces in one file,
-    /// or, in PLY and STL, in several files
-    #[arg(long, required = true, value_name = "V[:NAME][:COLOR]", allow_hyphen_values = true)]
+    /// or, in PLY and STL, in several files [default: 0 for a shape]
+    #[arg(long, value_name = "V[:NAME][:COLOR]", allow_hyphen_values = true)]
     pub(crate) iso: Vec<LevelArg>,
     #[command(flatten)]
     pub(crate) output: MeshOutputArgs,

@@ -57,6 +57,12 @@ impl VolumeArgs {
     pub(crate) fn options(&self) -> VolumeOptions {
         self.file.options(self.spacing)
     }
+
+    /// The distances between samples, if nothing else was given.
+    pub(crate) fn only_spacing(&self) -> Option<[f64; 3]> {
+        let rest = Self { spacing: None, file: self.file.clone() };
+        self.spacing.filter(|_| rest.is_empty()).map(|spacing| spacing.0)
+    }
 }
 
 impl FileArgs {

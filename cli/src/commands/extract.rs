@@ -2,6 +2,7 @@
 
 mod color;
 mod scene;
+mod shape;
 
 use super::{check::sentence, write_text};
 use crate::{
@@ -26,9 +27,10 @@ use isokit::{
 use std::time::Instant;
 
 pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
-    let text = session.watching(|session| match plan.max_memory {
-        Some(limit) => super::slabs::extract(plan, limit, session),
-        None => extract(plan, session),
+    let text = session.watching(|session| match (plan.shape, plan.max_memory) {
+        (Some(spacing), _) => shape::extract(plan, spacing, session),
+        (None, Some(limit)) => super::slabs::extract(plan, limit, session),
+        (None, None) => extract(plan, session),
     })?;
     write_text(plan.report.as_ref(), &text, session)?;
     Ok(Exit::Done)
@@ -55,7 +57,8 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         tell_singular(extracted, &surface.name, session);
         tell_refined(plan, refined, &surface.name, session);
     }
-    let written = timed(&mut timings.write, || write(plan, &scan, &surfaces, session))?;
+    let context = scan.context(session.command.as_str());
+    let written = timed(&mut timings.write, || write(plan, context, &surfaces, session))?;
     timings.total = start.elapsed().as_secs_f64();
     tell_written(&written, &timings, session);
     dump_scene(plan, &isos, session)?;
@@ -63,7 +66,8 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         return Ok(String::new());
     }
     let found: Vec<_> = extracted.into_iter().zip(refined).collect();
-    report(plan, &scan, &surfaces, &written, (&found, colors, timings), session)
+    let input = VolumeFacts::of(&plan.input, &scan, &scan.statistics(&session.job)?);
+    report(plan, input, &surfaces, &written, (&found, colors, timings), session)
 }
 
 /// Writes what was made as a scene, if that is wanted.
@@ -216,17 +220,22 @@ fn tell_refined(plan: &ExtractPlan, refined: &Refined, name: &str, session: &Ses
     }
 }
 
-/// Says how large a surface is, and what is peculiar about it.
+/// Says how large a surface is.
+fn tell_counts(surface: &Surface, session: &Session<'_, '_>) {
+    let counts = surface.mesh.counts();
+    let vertices = counted(counts.vertices, "vertex", "vertices");
+    let triangles = counted(counts.triangles, "triangle", "triangles");
+    session.console.info(&format!("{}: {vertices}, {triangles}", surface.name));
+}
+
+/// The same, and what is peculiar about it.
 fn tell(
     plan: &ExtractPlan,
     scan: &Scan,
     (surface, extracted): (&Surface, &Extracted),
     session: &Session<'_, '_>,
 ) -> Result<()> {
-    let counts = surface.mesh.counts();
-    let vertices = counted(counts.vertices, "vertex", "vertices");
-    let triangles = counted(counts.triangles, "triangle", "triangles");
-    session.console.info(&format!("{}: {vertices}, {triangles}", surface.name));
+    tell_counts(surface, session);
     let iso = surface.iso.unwrap_or(f64::NAN);
     let remark = scan.remark(iso, extracted.counts, &plan.surface, &session.job)?;
     remark.iter().for_each(|remark| session.console.warn(&remark.to_string()));
@@ -235,12 +244,11 @@ fn tell(
 
 fn write(
     plan: &ExtractPlan,
-    scan: &Scan,
+    context: MeshContext,
     surfaces: &[Surface],
     session: &mut Session<'_, '_>,
 ) -> Result<Written> {
-    let context =
-        MeshContext { gltf_unit: plan.target.gltf_unit, ..scan.context(session.command.as_str()) };
+    let context = MeshContext { gltf_unit: plan.target.gltf_unit, ..context };
     Ok(match &plan.target.stream {
         Stream::File(path) => write_mesh(path, surfaces, &context, &session.job)?,
         Stream::Stdout => {
@@ -252,7 +260,7 @@ fn write(
 
 fn report(
     plan: &ExtractPlan,
-    scan: &Scan,
+    input: VolumeFacts,
     surfaces: &[Surface],
     written: &Written,
     (found, vertex_colors, timings_s): (&[(Extracted, Refined)], Option<ColorReport>, Timings),
@@ -272,7 +280,7 @@ fn report(
     let report = ExtractReport {
         schema: EXTRACT_SCHEMA,
         command: &session.command,
-        input: VolumeFacts::of(&plan.input, scan, &scan.statistics(&session.job)?),
+        input,
         surfaces: of_surfaces,
         vertex_colors,
         outputs: &written.files,

@@ -4,6 +4,7 @@ use super::{ColorPlan, MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
     args::{ExtractArgs, LevelArg, PlacementArg, SpaceArg},
     fault::UsageError,
+    shape_file::is_shape,
 };
 use anyhow::Result;
 use isokit::{
@@ -21,6 +22,8 @@ use std::{num::NonZeroUsize, path::PathBuf};
 pub(crate) struct ExtractPlan {
     pub(crate) input: PathBuf,
     pub(crate) volume: VolumeOptions,
+    /// How far samples of a shape are from each other; none of a volume, which has samples.
+    pub(crate) shape: Option<[f64; 3]>,
     pub(crate) region: Region,
     pub(crate) space: TargetSpace,
     pub(crate) levels: Vec<LevelPlan>,
@@ -61,7 +64,24 @@ pub(crate) enum Repeat {
 }
 
 impl ExtractPlan {
-    pub(crate) fn new(args: ExtractArgs) -> Result<Self> {
+    pub(crate) fn new(mut args: ExtractArgs) -> Result<Self> {
+        let shape = match is_shape(&args.volume_file) {
+            true => Some(shape(&args)?),
+            false if args.iso.is_empty() => {
+                return Err(UsageError(
+                    "--iso is missing: say at which value the surface is".into(),
+                )
+                .into());
+            }
+            false => None,
+        };
+        if args.iso.is_empty() {
+            args.iso.push(LevelArg {
+                iso: IsoChoice::Value(0.0),
+                name: Some("shape".into()),
+                color: None,
+            });
+        }
         let target = MeshTarget::new(&args.output, args.iso.len())?;
         let report = args.report.as_deref().map(Stream::named).transpose()?;
         if report == Some(Stream::Stdout) && target.stream == Stream::Stdout {
@@ -97,6 +117,7 @@ impl ExtractPlan {
         let plan = Self {
             volume,
             input: args.volume_file,
+            shape,
             region: args.roi.or(args.roi_mm).unwrap_or_default(),
             space: args.space.into(),
             levels: levels(args.iso),
@@ -156,7 +177,7 @@ impl ExtractPlan {
 
 impl LevelPlan {
     /// The isovalue, where it was typed.
-    fn value(&self) -> Option<f64> {
+    pub(crate) fn value(&self) -> Option<f64> {
         match self.iso {
             IsoChoice::Value(iso) => Some(iso),
             _ => None,
@@ -167,6 +188,32 @@ impl LevelPlan {
     pub(crate) fn name(&self, iso: f64) -> String {
         self.name.clone().unwrap_or_else(|| format!("iso_{iso}"))
     }
+}
+
+/// How far samples of a shape are to be from each other, if nothing is asked that needs a volume.
+fn shape(args: &ExtractArgs) -> Result<[f64; 3], UsageError> {
+    let needs_volume = [
+        ("--roi", args.roi.is_some() || args.roi_mm.is_some()),
+        ("--clip", !args.clip.is_empty()),
+        ("--space", args.space != SpaceArg::Source),
+        ("--index", args.index),
+        ("--max-memory", args.max_memory.is_some()),
+        ("--dump-scene", args.dump_scene.is_some()),
+        ("--repeat", args.repeat.is_some() || args.repeat_warm.is_some()),
+        ("--refine, --max-error and --balance", !refine(args).do_nothing()),
+    ];
+    if let Some((words, _)) = needs_volume.iter().find(|(_, is_asked)| *is_asked) {
+        let says = format!("{words}: a shape has no volume for that; `isokit sample` makes one");
+        return Err(UsageError(says));
+    }
+    if args.iso.iter().any(|level| !matches!(level.iso, IsoChoice::Value(_))) {
+        let says = "--iso: expected a number, since a shape has no samples to choose one by";
+        return Err(UsageError(says.into()));
+    }
+    args.volume.only_spacing().ok_or_else(|| {
+        let says = "a shape needs --spacing, how far samples are from each other, and no other word on its samples";
+        UsageError(says.into())
+    })
 }
 
 /// What is to be done with surfaces once they are there.

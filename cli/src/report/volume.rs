@@ -64,6 +64,13 @@ impl VolumeFacts {
         Self { notes, ..Self::of_part(path, scan.format().name(), lattice, part, statistics) }
     }
 
+    /// The same of a shape, of which only some samples are made.
+    pub(crate) fn of_shape(path: &Path, grid: &Grid) -> Self {
+        let statistics = Statistics { range: None, nan: 0, first_nan: None, infinite: 0 };
+        let lattice = (grid, Scaling::IDENTITY, Dtype::F32);
+        Self::of_part(path, "shape", lattice, None, &statistics)
+    }
+
     fn of_part(
         path: &Path,
         format: &'static str,

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use std::{
     fs::File,
     hint::black_box,
-    io::{BufRead, BufWriter, Read, Write, stdin, stdout},
+    io::{BufRead, BufReader, BufWriter, Read, Write, stdin, stdout},
     num::NonZeroUsize,
     ops::Range,
     path::{Path, PathBuf},
@@ -164,7 +164,7 @@ impl ScalarField for Whole<'_> {
 }
 
 fn shape(path: &Path, samples: u32, how: How, job: &Job) -> Result<Answer, Failure> {
-    let solid = toml::from_str::<Model>(&std::fs::read_to_string(path)?)?.build()?;
+    let solid = serde_json::from_reader::<_, Model>(BufReader::new(File::open(path)?))?.build()?;
     let bounds = solid.bounds().ok_or("the shape has no end")?;
     let longest = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
     // Two samples are left around it.

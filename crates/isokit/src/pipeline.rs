@@ -8,6 +8,7 @@
 //! | choose | [`Scan::suggestions`] says which isovalues stand out; [`Scan::iso`] turns "automatic" or a percentage into one |
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
+//! | or sample | [`sparse_meshes_into`] makes samples of a shape, or of another field, only near its surfaces |
 //! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
 //! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted |
 //! | colour | [`Scan::attribute`] gives each vertex the value of another scan there |
@@ -27,6 +28,7 @@ mod remark;
 mod resampled;
 mod scan;
 mod slab_scan;
+mod sparse;
 mod surface;
 mod target;
 mod values;
@@ -38,5 +40,6 @@ pub use region::{ParseRegionError, Region, RegionError, Span};
 pub use remark::Remark;
 pub use scan::Scan;
 pub use slab_scan::SlabScan;
+pub use sparse::sparse_meshes_into;
 pub use surface::{Normals, SurfaceOptions};
 pub use target::{TargetSpace, UnknownSpace};

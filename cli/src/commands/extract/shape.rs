@@ -1,0 +1,57 @@
+//! `extract` of a shape: from a file that describes it to a mesh, with samples only near its surface.
+
+use super::{report, surfaces, tell_counts, tell_singular, tell_written, write};
+use crate::{
+    Session,
+    plan::{ExtractPlan, LevelPlan},
+    report::{Timings, VolumeFacts, timed},
+    shape_file::read_shape,
+    text::{counted, grouped},
+};
+use anyhow::Result;
+use isokit::{
+    field::FieldSamples, io::MeshContext, marching_cubes::Skipped, mesh::TriMesh,
+    pipeline::sparse_meshes_into, refine::Refined,
+};
+use std::time::Instant;
+
+/// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
+pub(super) fn extract(
+    plan: &ExtractPlan,
+    spacing: [f64; 3],
+    session: &mut Session<'_, '_>,
+) -> Result<String> {
+    let (start, mut timings) = (Instant::now(), Timings::default());
+    let solid = timed(&mut timings.read, || read_shape(&plan.input))?;
+    let grid = solid.grid(spacing)?;
+    let placed = solid.placed(&grid);
+    let samples = FieldSamples::<f32>::new(&placed, grid.frame)?;
+    let isos: Vec<f64> = plan.levels.iter().filter_map(LevelPlan::value).collect();
+    let mut meshes = vec![TriMesh::default(); isos.len()];
+    let extracted = timed(&mut timings.extract, || {
+        sparse_meshes_into(&samples, &isos, &plan.surface, &mut meshes, &session.job)
+    })?;
+    let surfaces = surfaces(&plan.levels, &isos, meshes);
+    for (surface, extracted) in surfaces.iter().zip(&extracted) {
+        tell_counts(surface, session);
+        let Skipped { bricks, bricks_skipped, samples_read } = extracted.skipped;
+        let ([nx, ny, nz], skipped) = (grid.dims(), grouped(bricks_skipped));
+        let (bricks, made) = (counted(bricks, "brick", "bricks"), grouped(samples_read));
+        session.console.detail(&format!(
+            "{}: {nx} x {ny} x {nz}, of {bricks} {skipped} skipped, {made} samples made",
+            surface.name
+        ));
+        tell_singular(extracted, &surface.name, session);
+    }
+    let (unit, space) = (grid.frame.unit, grid.frame.space);
+    let context = MeshContext { unit, space, command: session.command.clone(), gltf_unit: None };
+    let written = timed(&mut timings.write, || write(plan, context, &surfaces, session))?;
+    timings.total = start.elapsed().as_secs_f64();
+    tell_written(&written, &timings, session);
+    if plan.report.is_none() && !session.console.is_verbose() {
+        return Ok(String::new());
+    }
+    let found: Vec<_> = extracted.into_iter().map(|one| (one, Refined::default())).collect();
+    let input = VolumeFacts::of_shape(&plan.input, &grid);
+    report(plan, input, &surfaces, &written, (&found, None, timings), session)
+}
