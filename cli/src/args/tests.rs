@@ -72,7 +72,6 @@ fn what_is_not_built_is_not_accepted() {
 
 #[test]
 fn what_is_missing_or_excluded_is_named() {
-    refused("extract a.nii -o a.glb", "--iso <V[:NAME][:COLOR]>");
     refused("extract a.nii --iso 1", "--output <FILE>");
     refused("extract a.raw --dims 1,2,3 --iso 1 -o a.glb", "--dtype <TYPE>");
     refused("extract a.nii --iso 1 -o a.glb --roi :,:,: --roi-mm :,:,:", "cannot be used with");

@@ -11,8 +11,9 @@ use isokit::{
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Input volume")]
 pub(crate) struct VolumeArgs {
-    /// Distances between samples along x, y, z, where the file gives none or wrong ones
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    /// Distances between samples along x, y, z, or along all three, where the file gives none or wrong ones; of a shape,
+    /// those that are wanted
+    #[arg(long, value_name = "X[,Y,Z]", value_parser = values::spacing, allow_hyphen_values = true)]
     spacing: Option<Triple<f64>>,
     #[command(flatten)]
     file: FileArgs,

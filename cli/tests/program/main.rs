@@ -16,6 +16,7 @@ mod render;
 mod report;
 mod resample;
 mod sample;
+mod shapes;
 mod slabs;
 mod streams;
 mod suggest;

@@ -1,0 +1,73 @@
+//! `extract` of shapes: the surface of the volume that `sample` makes, without the volume.
+
+use crate::kit::Folder;
+use isokit_cli::Exit;
+use std::fs;
+
+const PART: &str = "
+unit = \"mm\"
+[shape]
+difference = [\"body\", \"hole\"]
+[part.body]
+union = [{ box = { size = [40, 30, 10], round = 1 } }, { torus = { radius = 16, tube = 5 } }]
+blend = 1
+[part.hole]
+cylinder = { radius = 4, height = 30 }
+";
+
+#[test]
+fn the_surface_of_a_shape_is_that_of_its_volume() {
+    let folder = Folder::new();
+    fs::write(folder.path("part.toml"), PART).unwrap();
+    folder.done("sample part.toml --spacing 0.5 -o part.nrrd");
+    for words in ["", "--placement linear", "--boundary open --normals matching --topology table"] {
+        folder.done(&format!("extract part.nrrd --iso 0:part {words} -o volume.stl"));
+        for threads in [1, 2, 7] {
+            folder.done(&format!(
+                "extract part.toml --spacing 0.5 --iso 0:part {words} --threads {threads} -o shape.stl"
+            ));
+            let [shape, volume] =
+                ["shape.stl", "volume.stl"].map(|name| fs::read(folder.path(name)).unwrap());
+            // Behind the header, which says the command.
+            assert!(shape[80..] == volume[80..], "{words}, {threads} threads");
+        }
+    }
+    let found = folder.topology("shape.stl");
+    assert_eq!(found.genus(), Some(3), "{found:?}");
+}
+
+#[test]
+fn a_report_says_how_much_was_skipped() {
+    let folder = Folder::new();
+    fs::write(folder.path("part.toml"), PART).unwrap();
+    folder.done("extract part.toml --spacing 0.25 -o a.ply --report r.json");
+    let report = folder.json("r.json");
+    let number = |key: &str| report["skipped"][key].as_u64().unwrap();
+    assert!(number("bricks_skipped") * 2 > number("bricks"));
+    assert!(number("samples_read") <= 512 * (number("bricks") - number("bricks_skipped")));
+    let surface = &report["surfaces"][0];
+    assert_eq!((&surface["name"], &surface["iso"]), (&"shape".into(), &0.0.into()));
+    assert_eq!(
+        (&report["input"]["format"], &report["input"]["unit"]),
+        (&"shape".into(), &"mm".into())
+    );
+    assert!(folder.done("check a.ply").exit == Exit::Done);
+}
+
+#[test]
+fn what_needs_a_volume_is_refused() {
+    let folder = Folder::new();
+    for (words, says) in [
+        ("none.nii -o a.ply", "--iso is missing"),
+        ("none.toml -o a.ply", "a shape needs --spacing"),
+        ("none.toml -o a.ply --spacing 1 --origin 1,2,3", "a shape needs --spacing"),
+        ("none.toml -o a.ply --spacing 1 --iso auto", "expected a number"),
+        ("none.toml -o a.ply --spacing 1 --roi 0:9,0:9,0:9", "--roi"),
+        ("none.toml -o a.ply --spacing 1 --balance", "--balance"),
+        ("none.toml -o a.ply --spacing 1 --max-memory 1GiB", "--max-memory"),
+    ] {
+        let ran = folder.run(&format!("extract {words}"));
+        assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{words}: {}", ran.err);
+    }
+    assert!(folder.names().is_empty());
+}
