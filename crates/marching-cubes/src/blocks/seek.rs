@@ -46,6 +46,9 @@ impl<'a, T: Sample> Seek<'a, T> {
 
     /// What is known of some layers.
     pub(super) fn layers(&self, layers: Range<usize>) -> Result<Vec<Layer<T>>, Cancelled> {
+        if layers.is_empty() {
+            return Ok(vec![]);
+        }
         let [nx, ny, _] = self.grid.counts;
         let mut found: Vec<_> =
             layers.clone().map(|_| Layer::outside(self.grid.per_layer())).collect();
