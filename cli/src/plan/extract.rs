@@ -196,6 +196,7 @@ fn shape(args: &ExtractArgs) -> Result<[f64; 3], UsageError> {
         ("--roi", args.roi.is_some() || args.roi_mm.is_some()),
         ("--clip", !args.clip.is_empty()),
         ("--space", args.space != SpaceArg::Source),
+        ("--attribute", args.color.attribute.is_some()),
         ("--index", args.index),
         ("--max-memory", args.max_memory.is_some()),
         ("--dump-scene", args.dump_scene.is_some()),

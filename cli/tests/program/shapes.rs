@@ -55,6 +55,23 @@ fn a_report_says_how_much_was_skipped() {
 }
 
 #[test]
+fn a_shape_has_a_pattern_as_a_volume_has() {
+    let folder = Folder::new();
+    fs::write(folder.path("part.toml"), PART).unwrap();
+    folder.done("sample part.toml --spacing 1 -o part.nrrd");
+    folder.done("extract part.nrrd --iso 0 --texture wood:4 -o volume.ply");
+    folder.done("extract part.toml --spacing 1 --texture wood:4 -o shape.ply");
+    let [shape, volume] = ["shape.ply", "volume.ply"].map(|name| {
+        let bytes = fs::read(folder.path(name)).unwrap();
+        let end = b"end_header\n";
+        let start = bytes.windows(end.len()).position(|at| at == end).unwrap();
+        assert!(bytes[..start].windows(3).any(|at| at == b"red"));
+        bytes[start..].to_vec()
+    });
+    assert!(shape == volume);
+}
+
+#[test]
 fn what_needs_a_volume_is_refused() {
     let folder = Folder::new();
     for (words, says) in [
@@ -64,6 +81,7 @@ fn what_needs_a_volume_is_refused() {
         ("none.toml -o a.ply --spacing 1 --iso auto", "expected a number"),
         ("none.toml -o a.ply --spacing 1 --roi 0:9,0:9,0:9", "--roi"),
         ("none.toml -o a.ply --spacing 1 --balance", "--balance"),
+        ("none.toml -o a.ply --spacing 1 --attribute a.nii", "--attribute"),
         ("none.toml -o a.ply --spacing 1 --max-memory 1GiB", "--max-memory"),
     ] {
         let ran = folder.run(&format!("extract {words}"));

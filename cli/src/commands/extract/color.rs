@@ -32,7 +32,7 @@ pub(super) fn color(
     if plan.is_empty() {
         return Ok(None);
     }
-    let mut report = ColorReport::default();
+    let mut report = pattern(plan, surfaces);
     if let Some((path, between)) = &plan.attribute {
         let attribute = values((path, *between), scan, surfaces, session)?;
         if let Some((map, ends)) = plan.map {
@@ -42,10 +42,13 @@ pub(super) fn color(
         }
         report.attribute = Some(attribute);
     }
-    if let Some((pattern, size)) = plan.texture {
-        report.texture = by_pattern(surfaces, pattern, size);
-    }
     Ok(Some(report))
+}
+
+/// Gives vertices the colours that are planned without a volume.
+pub(super) fn pattern(plan: &ColorPlan, surfaces: &mut [Surface]) -> ColorReport {
+    let texture = plan.texture.and_then(|(pattern, size)| by_pattern(surfaces, pattern, size));
+    ColorReport { texture, ..ColorReport::default() }
 }
 
 /// The values of the volume at all vertices.

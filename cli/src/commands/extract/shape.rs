@@ -1,6 +1,6 @@
 //! `extract` of a shape: from a file that describes it to a mesh, with samples only near its surface.
 
-use super::{report, surfaces, tell_counts, tell_singular, tell_written, write};
+use super::{color::pattern, report, surfaces, tell_counts, tell_singular, tell_written, write};
 use crate::{
     Session,
     plan::{ExtractPlan, LevelPlan},
@@ -31,7 +31,8 @@ pub(super) fn extract(
     let extracted = timed(&mut timings.extract, || {
         sparse_meshes_into(&samples, &isos, &plan.surface, &mut meshes, &session.job)
     })?;
-    let surfaces = surfaces(&plan.levels, &isos, meshes);
+    let mut surfaces = surfaces(&plan.levels, &isos, meshes);
+    let colors = (!plan.color.is_empty()).then(|| pattern(&plan.color, &mut surfaces));
     for (surface, extracted) in surfaces.iter().zip(&extracted) {
         tell_counts(surface, session);
         let Skipped { bricks, bricks_skipped, samples_read } = extracted.skipped;
@@ -53,5 +54,5 @@ pub(super) fn extract(
     }
     let found: Vec<_> = extracted.into_iter().map(|one| (one, Refined::default())).collect();
     let input = VolumeFacts::of_shape(&plan.input, &grid);
-    report(plan, input, &surfaces, &written, (&found, None, timings), session)
+    report(plan, input, &surfaces, &written, (&found, colors, timings), session)
 }
