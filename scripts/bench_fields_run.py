@@ -5,13 +5,14 @@ Times are medians of rounds in which the contenders take turns, from samples in 
 in new memory. Resampling is by the interpolating cubic B-spline at half the distance; errors are
 root mean squares against the function that the samples are of, of all new samples and of those
 that are more than eight old ones from the border. scipy.ndimage has one thread. A read is the sum
-of all 64-bit words, by as many threads. Started by `scripts/bench_fields`.
+of all 64-bit words, by as many threads. The error of the surface of a shape is the root mean square,
+over the mesh, of value over slope of the shape. fidget runs with its JIT. Started by
+`scripts/bench_fields`.
 """
 
 import argparse
 import datetime
 import os
-import statistics
 import sys
 import tempfile
 import time
@@ -19,7 +20,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from kit import bench_machine
+from kit import bench_machine, bench_shapes
+from kit.bench_turns import interleaved
 from kit.bench_volumes import Absent, Store, Volume
 from kit.bench_worker import Failed, Worker
 from kit.data import as_json
@@ -50,17 +52,6 @@ def timed(work: Callable[[], object]) -> float:
     start = time.perf_counter()
     work()
     return time.perf_counter() - start
-
-
-def interleaved(rounds: int, contenders: dict[str, Callable[[], float]]) -> dict[str, float]:
-    """The median of each one's seconds; the first round warms up."""
-    seconds: dict[str, list[float]] = {name: [] for name in contenders}
-    for n in range(rounds + 1):
-        for name, contender in contenders.items():
-            took = contender()
-            if n:
-                seconds[name].append(took)
-    return {name: statistics.median(times) for name, times in seconds.items()}
 
 
 def waves(n: int, apart: float) -> np.ndarray:
@@ -162,7 +153,25 @@ def spectrum(store: Store, rounds: int, _n: int, threads: int) -> list[dict]:
     return rows
 
 
-PARTS = {"resample": resample, "spectrum": spectrum}
+def shapes(store: Store, rounds: int, n: int, threads: int) -> list[dict]:
+    """The surfaces of shapes, with samples only near them, beside all samples."""
+    with Worker([str(DRIVER)]) as own:
+        rows = bench_shapes.sparse(own, store.folder, rounds, 4 * n, threads)
+    for row in rows:
+        say(row)
+    return rows
+
+
+def fidget(store: Store, rounds: int, n: int, threads: int) -> list[dict]:
+    """The surfaces of shapes, as near to them as those of fidget."""
+    with Worker([str(DRIVER)]) as own:
+        rows = bench_shapes.beside_fidget(own, store.folder, rounds, n, threads)
+    for row in rows:
+        say(row)
+    return rows
+
+
+PARTS = {"resample": resample, "spectrum": spectrum, "shapes": shapes, "fidget": fidget}
 
 
 def say(row: dict) -> None:

@@ -12,6 +12,7 @@
 
 mod build;
 mod jets;
+mod listing;
 mod range;
 mod rows;
 mod shorten;

@@ -112,6 +112,14 @@ impl Solid {
         self.tape.len()
     }
 
+    /// The steps of a value as text, one in a line, such as `_2 add _0 _1`: what `fidget` reads, and what goes with
+    /// Keeter, "Massively parallel rendering of complex closed-form implicit surfaces", 2020. There the inside is negative,
+    /// here positive. None if there is a power in a formula other than a square, which has no
+    /// word there.
+    pub fn listing(&self) -> Option<String> {
+        self.tape.listing()
+    }
+
     #[cfg(test)]
     pub(crate) fn tape(&self) -> &Tape {
         &self.tape

@@ -6,6 +6,7 @@ use super::{Array, Combination, Model, Shape, Solid};
 use crate::chance::{points, primitives, trees};
 use isokit_geom::vector::{length, sub};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 fn solid(shape: &Shape) -> Solid {
     Model::from(shape.clone()).build().expect("a shape")
@@ -217,4 +218,81 @@ fn the_corner_of_an_offset_intersection_is_in_its_box() {
     let offset = Shape::Offset { of: ball.into(), by: 0.5 };
     let bounds = solid(&offset).bounds().unwrap();
     assert_eq!((bounds.min, bounds.max), ([-1.5; 3], [0.5, 1.5, 1.5]));
+}
+
+/// What a listing makes of a point.
+fn read(listing: &str, point: [f64; 3]) -> f64 {
+    let (mut numbers, mut last) = (BTreeMap::new(), f64::NAN);
+    for line in listing.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        let of = |k: usize| -> f64 { numbers[words[k]] };
+        last = match words[1] {
+            "const" => words[2].parse().unwrap(),
+            "var-x" => point[0],
+            "var-y" => point[1],
+            "var-z" => point[2],
+            "neg" => -of(2),
+            "abs" => of(2).abs(),
+            "sqrt" => of(2).sqrt(),
+            "square" => of(2) * of(2),
+            "floor" => of(2).floor(),
+            "sin" => libm::sin(of(2)),
+            "cos" => libm::cos(of(2)),
+            "tan" => libm::tan(of(2)),
+            "asin" => libm::asin(of(2)),
+            "acos" => libm::acos(of(2)),
+            "atan" => libm::atan(of(2)),
+            "exp" => libm::exp(of(2)),
+            "ln" => libm::log(of(2)),
+            "atan2" => libm::atan2(of(2), of(3)),
+            "add" => of(2) + of(3),
+            "sub" => of(2) - of(3),
+            "mul" => of(2) * of(3),
+            "div" => of(2) / of(3),
+            "min" => {
+                if of(2) < of(3) {
+                    of(2)
+                } else {
+                    of(3)
+                }
+            }
+            "max" => {
+                if of(2) > of(3) {
+                    of(2)
+                } else {
+                    of(3)
+                }
+            }
+            "compare" => f64::from(of(2) > of(3)) - f64::from(of(2) < of(3)),
+            "or" => {
+                if of(2) == 0.0 {
+                    of(3)
+                } else {
+                    of(2)
+                }
+            }
+            word => panic!("{word}: {listing}"),
+        };
+        assert!(numbers.insert(words[0], last).is_none(), "{line}: {listing}");
+    }
+    last
+}
+
+#[test]
+fn a_listing_has_no_powers_but_squares() {
+    let listing = |text: &str| solid(&Shape::Formula(text.parse().unwrap())).listing();
+    assert!(listing("x^y").is_none() && listing("x^2").is_some());
+}
+
+proptest! {
+    #[test]
+    fn a_listing_makes_the_same_values(shape in trees(true), points in points(10)) {
+        let solid = solid(&shape);
+        if let Some(listing) = solid.listing() {
+            for point in points {
+                let (value, found) = (solid.value(point), read(&listing, point));
+                assert!(value == found || value.is_nan() && found.is_nan(), "{value}, {found}: {listing}");
+            }
+        }
+    }
 }

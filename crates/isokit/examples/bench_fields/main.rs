@@ -4,23 +4,21 @@
 //! Requests and answers are JSON, one object a line, on stdin and stdout, as those of the example `bench_error`. Reading
 //! the volume is outside of all times.
 
+mod shape;
+
 use isokit::{
-    field::{FieldSamples, FieldSlices, Filter, Jet, ScalarField, Slope},
-    geom::Affine,
+    field::Filter,
     job::{Job, Threads},
-    marching_cubes::{Budget, ExtractOptions, Extracted, Slabs, extract_slabs, extract_sparse},
-    mesh::TriMesh,
     pipeline::Scan,
-    solid::{Model, Placed},
     volume::{AnyVolume, Dtype, Grid, Sample, Volume, for_any, for_dtype},
 };
 use serde::{Deserialize, Serialize};
+use shape::{How, Judged};
 use std::{
     fs::File,
     hint::black_box,
-    io::{BufRead, BufReader, BufWriter, Read, Write, stdin, stdout},
+    io::{BufRead, BufWriter, Read, Write, stdin, stdout},
     num::NonZeroUsize,
-    ops::Range,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -43,18 +41,10 @@ enum Request {
     Spectrum { threads: usize },
     /// The surface of a shape, on a lattice of so many samples along its longest axis.
     Shape { threads: usize, path: PathBuf, samples: u32, how: How },
-}
-
-/// How a shape becomes a mesh.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum How {
-    /// With samples near the surface.
-    Sparse,
-    /// With all samples, of which those in a brick cost what the brick's part of the shape costs.
-    Bricks,
-    /// With all samples, each made of the whole shape.
-    Dense,
+    /// How far a mesh in a file is from a shape.
+    Judge { path: PathBuf, mesh: PathBuf },
+    /// The steps of a shape, for others to read.
+    Listing { path: PathBuf, out: PathBuf },
 }
 
 /// What was found.
@@ -62,12 +52,15 @@ enum How {
 struct Answer {
     /// Wall time.
     seconds: f64,
-    /// Of a mesh.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    triangles: Option<u64>,
-    /// What was not done for it.
+    /// Those that were made for a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     samples: Option<u64>,
+    /// What a mesh is like.
+    #[serde(flatten)]
+    mesh: Option<Judged>,
+    /// Middle and half the side of a cube around a shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cube: Option<([f64; 3], f64)>,
     /// Why there is no result.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
@@ -94,13 +87,27 @@ fn answer(request: Request, loaded: &mut Option<Scan>) -> Result<Answer, Failure
         *loaded = Some(for_dtype!(dtype, T => Scan::new(read::<T>(&path, dims)?)));
         return Ok(Answer::default());
     }
-    if let Request::Shape { threads, path, samples, how } = request {
-        return shape(&path, samples, how, &job(threads)?);
+    match &request {
+        Request::Shape { threads, path, samples, how } => {
+            let (seconds, samples, mesh) = shape::mesh(path, *samples, *how, &job(*threads)?)?;
+            return Ok(Answer {
+                seconds,
+                samples: Some(samples),
+                mesh: Some(mesh),
+                ..Answer::default()
+            });
+        }
+        Request::Judge { path, mesh } => {
+            return Ok(Answer { mesh: Some(shape::judge_file(path, mesh)?), ..Answer::default() });
+        }
+        Request::Listing { path, out } => {
+            return Ok(Answer { cube: Some(shape::list(path, out)?), ..Answer::default() });
+        }
+        _ => {}
     }
     // A scan looks for what it is asked once: each time another one is asked.
     let scan = loaded.take().ok_or("nothing is loaded")?;
     let seconds = match request {
-        Request::Load { .. } | Request::Shape { .. } => unreachable!("done above"),
         Request::Resample { threads, spacing, out } => {
             let job = job(threads)?;
             let (seconds, made) =
@@ -129,64 +136,10 @@ fn answer(request: Request, loaded: &mut Option<Scan>) -> Result<Answer, Failure
             black_box(found?);
             seconds
         }
+        _ => unreachable!("done above"),
     };
     *loaded = Some(Scan::new(for_any!(scan.volume(), volume => AnyVolume::from(volume.clone()))));
     Ok(Answer { seconds, ..Answer::default() })
-}
-
-/// A field that is as dear in a part as in whole.
-struct Whole<'a>(&'a Placed);
-
-impl ScalarField for Whole<'_> {
-    fn dims(&self) -> [usize; 3] {
-        self.0.dims()
-    }
-
-    fn index_to_world(&self) -> Affine {
-        self.0.index_to_world()
-    }
-
-    fn value(&self, ijk: [f64; 3]) -> f64 {
-        self.0.value(ijk)
-    }
-
-    fn slope(&self, ijk: [f64; 3]) -> Slope {
-        self.0.slope(ijk)
-    }
-
-    fn jet(&self, ijk: [f64; 3]) -> Jet {
-        self.0.jet(ijk)
-    }
-
-    fn fill(&self, points: [Range<usize>; 3], values: &mut [f64]) {
-        self.0.fill(points, values);
-    }
-}
-
-fn shape(path: &Path, samples: u32, how: How, job: &Job) -> Result<Answer, Failure> {
-    let solid = serde_json::from_reader::<_, Model>(BufReader::new(File::open(path)?))?.build()?;
-    let bounds = solid.bounds().ok_or("the shape has no end")?;
-    let longest = (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
-    // Two samples are left around it.
-    let grid = solid.grid([longest / f64::from(samples - 5); 3])?;
-    let placed = solid.placed(&grid);
-    let whole = Whole(&placed);
-    let options = &ExtractOptions::DEFAULT;
-    let mut mesh = TriMesh::with_normals();
-    let (seconds, told) = timed(|| -> Result<Extracted, Failure> {
-        if let How::Sparse = how {
-            let source = FieldSamples::<f32>::new(&placed, grid.frame)?;
-            return Ok(extract_sparse(&source, 0.0, options, &mut mesh.refill(), job)?);
-        }
-        let field: &dyn ScalarField = if let How::Dense = how { &whole } else { &placed };
-        let source = &mut FieldSlices::new(FieldSamples::<f32>::new(field, grid.frame)?, job);
-        let budget = Budget { window: 64, piece_bytes: u64::MAX };
-        let slabs = Slabs { isos: &[0.0], options, budget };
-        let sinks = &mut vec![mesh.refill()];
-        Ok(extract_slabs(source, &slabs, sinks, job)?.remove(0))
-    });
-    let (samples, triangles) = (told?.skipped.samples_read, mesh.triangles.len() as u64);
-    Ok(Answer { seconds, triangles: Some(triangles), samples: Some(samples), ..Answer::default() })
 }
 
 fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
