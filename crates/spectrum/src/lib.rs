@@ -8,6 +8,7 @@
 //!
 //! Nothing here makes a surface: all is counted in one pass over the samples.
 
+mod bytes;
 mod classes;
 mod contour;
 mod edges;

@@ -174,6 +174,17 @@ struct Ranks {
 
 const TURNS: usize = 4;
 
+/// Samples that are counted at once if they are equal, as they are in air.
+const STRIP: usize = 32;
+const PART: usize = 8;
+
+/// Whether samples are equal; NaN is nowhere here.
+#[inline(always)]
+fn is_even<T: Sample, const N: usize>(samples: &[T; N]) -> bool {
+    let first = samples[0].rank();
+    samples.iter().fold(0, |differ, sample| differ | (sample.rank() ^ first)) == 0
+}
+
 impl Ranks {
     fn of<T: Sample>() -> Option<Self> {
         let is_short = size_of::<T>() <= 2;
@@ -181,7 +192,27 @@ impl Ranks {
     }
 
     fn count<T: Sample>(&mut self, row: &[T]) {
-        let (turns, rest) = row.as_chunks::<TURNS>();
+        let (strips, rest) = row.as_chunks::<STRIP>();
+        for strip in strips {
+            if is_even(strip) {
+                self.tables[0][strip[0].rank() as usize] += STRIP as u64;
+                continue;
+            }
+            let (parts, _) = strip.as_chunks::<PART>();
+            for part in parts {
+                if is_even(part) {
+                    self.tables[0][part[0].rank() as usize] += PART as u64;
+                } else {
+                    self.one_by_one(part);
+                }
+            }
+        }
+        self.one_by_one(rest);
+    }
+
+    #[inline(always)]
+    fn one_by_one<T: Sample>(&mut self, samples: &[T]) {
+        let (turns, rest) = samples.as_chunks::<TURNS>();
         for turn in turns {
             for (table, sample) in self.tables.iter_mut().zip(turn) {
                 table[sample.rank() as usize] += 1;

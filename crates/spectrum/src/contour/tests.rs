@@ -4,7 +4,7 @@ use super::{Contour, ContourSpectrum};
 use crate::Levels;
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Threads};
-use isokit_volume::{Grid, Sample, Volume};
+use isokit_volume::{Grid, Sample, Scaling, Volume};
 use std::{f64::consts::PI, num::NonZeroUsize};
 
 fn volume<T: Sample>(
@@ -140,6 +140,68 @@ fn any_number_of_threads_finds_the_same_numbers() {
     let one = of(1);
     assert!(one.contours().iter().all(|contour| contour.area > 0.0));
     assert_eq!([of(2), of(7)], [one.clone(), one]);
+}
+
+/// Of noise and of a smooth field, as bytes and as the same numbers in floats.
+#[test]
+fn samples_of_one_byte_have_the_surfaces_of_the_same_numbers() {
+    let bricks = [[0.8, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.25]];
+    let sheared = [[0.9, 0.2, 0.0], [-0.1, 1.0, 0.1], [0.1, 0.2, 1.0]];
+    for (dims, columns) in [
+        ([50, 41, 70], CUBES),
+        ([50, 41, 70], bricks),
+        ([30, 20, 10], sheared),
+        ([32, 1, 9], CUBES),
+        ([1, 64, 2], bricks),
+        ([97, 3, 1], CUBES),
+    ] {
+        let mut next = noise();
+        let all: Vec<u8> = (0..dims.iter().product()).map(|_| (next() % 9) as u8).collect();
+        let at = |[i, j, k]: [u64; 3]| all[(i + dims[0] * (j + dims[1] * k)) as usize];
+        let smooth = |place: [f64; 3]| (140.0 - 4.0 * length(place)).max(9.0) as u8;
+        for of in
+            [&|_, ijk| at(ijk), &|place, _| smooth(place)] as [&dyn Fn([f64; 3], [u64; 3]) -> u8; 2]
+        {
+            let scaling = Scaling::new(-0.5, 3.0).unwrap();
+            let bytes = volume(dims, columns, of);
+            let signed = volume(dims, columns, |place, ijk| (of(place, ijk) ^ 128).cast_signed());
+            let floats = volume(dims, columns, |place, ijk| f32::from(of(place, ijk)));
+            let lower = signed.clone().with_scaling(Scaling::new(1.0, 128.0).unwrap());
+            for (found, exact, range) in [
+                (spectrum(&bytes, [0.0, 140.0], 140), spectrum(&floats, [0.0, 140.0], 140), 1.0),
+                (spectrum(&lower, [0.0, 140.0], 33), spectrum(&floats, [0.0, 140.0], 33), 1.0),
+                (
+                    spectrum(&bytes.clone().with_scaling(scaling), [-67.0, 3.0], 70),
+                    spectrum(&floats.clone().with_scaling(scaling), [-67.0, 3.0], 70),
+                    1.0,
+                ),
+            ] {
+                let most = exact.iter().fold(range, |most: f64, one| one.area.max(most));
+                for (found, exact) in found.iter().zip(&exact) {
+                    assert_eq!((found.iso, found.crossings), (exact.iso, exact.crossings));
+                    assert!((found.volume - exact.volume).abs() <= 1e-9 * exact.volume);
+                    let flux = [found.total_gradient, exact.total_gradient];
+                    assert!((flux[0] - flux[1]).abs() <= 1e-9 * (1.0 + flux[1]), "{flux:?}");
+                    assert!((found.area - exact.area).abs() <= 2e-3 * most, "{found:?} {exact:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_finds_the_same_of_bytes() {
+    let mut next = noise();
+    let samples: Vec<u8> = (0..70 * 50 * 130).map(|_| (next() % 200) as u8).collect();
+    let noisy =
+        volume([70, 50, 130], CUBES, |_, [i, j, k]| samples[(i + 70 * (j + 50 * k)) as usize]);
+    let of = |threads: usize| {
+        let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
+        let levels = Levels::between([0.0, 199.0], 199).unwrap();
+        let job = Job { threads, ..Job::default() };
+        ContourSpectrum::of(&noisy.view(), levels, &job).unwrap()
+    };
+    assert_eq!([of(2), of(5)], [of(1), of(1)]);
 }
 
 #[test]
