@@ -173,6 +173,11 @@ fn outflows<T: Sample>(
     job: &Job,
 ) -> Result<[Outflow; 256], Stopped> {
     let parts = parts(view.dims());
+    let rows = parts.iter().map(|part| part.rows.len() + 4).max().unwrap_or(0) as u64;
+    let padded = (view.dims()[0] as u64).saturating_add(3 * STRIP as u64);
+    let numbers = padded.checked_mul(rows * job.threads.count() as u64);
+    let size = SLICES + 3 * NORMALS * size_of::<i16>();
+    job.limits.probe("slices", numbers, size)?;
     let slices = parts.iter().map(|part| part.slices.len() as u64);
     job.progress.begin("spectrum", slices.sum());
     let part =

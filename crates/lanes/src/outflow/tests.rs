@@ -76,8 +76,7 @@ const SCALES: [Scale; 2] = [
 fn normals_are_gradients_over_their_lengths_at_every_level() {
     for lattice in lattices() {
         for scale in SCALES {
-            let [plain, even] = [(); 2].map(|()| lattice.normals(Level::Portable, &scale, [2, 2]));
-            assert_eq!(plain, even);
+            let plain = lattice.normals(Level::Portable, &scale, [2, 2]);
             for &level in Level::available() {
                 assert_eq!(lattice.normals(level, &scale, [2, 2]), plain, "{level}");
             }

@@ -63,7 +63,7 @@ fn a_torus_has_the_area_the_volume_and_the_gradient_of_a_torus() {
     });
     for contour in spectrum(&torus, [0.0, 50.0], 20) {
         let radius = 18.0 - contour.iso / 5.0;
-        assert_near(contour.area, 4.0 * PI * PI * 35.0 * radius, 6e-3, "area");
+        assert_near(contour.area, 4.0 * PI * PI * 35.0 * radius, 4e-3, "area");
         assert_near(contour.volume, 2.0 * PI * PI * 35.0 * radius * radius, 1e-2, "volume");
         assert_near(contour.mean_gradient().unwrap(), 5.0, 4e-3, "gradient");
     }
@@ -156,12 +156,13 @@ fn samples_of_one_byte_have_the_surfaces_of_the_same_numbers() {
         ([97, 3, 1], CUBES),
     ] {
         let mut next = noise();
-        let all: Vec<u8> = (0..dims.iter().product()).map(|_| (next() % 9) as u8).collect();
+        let all: Vec<u8> = (0..dims.iter().product::<u64>()).map(|_| (next() % 9) as u8).collect();
         let at = |[i, j, k]: [u64; 3]| all[(i + dims[0] * (j + dims[1] * k)) as usize];
         let smooth = |place: [f64; 3]| (140.0 - 4.0 * length(place)).max(9.0) as u8;
-        for of in
-            [&|_, ijk| at(ijk), &|place, _| smooth(place)] as [&dyn Fn([f64; 3], [u64; 3]) -> u8; 2]
-        {
+        type Of<'a> = &'a dyn Fn([f64; 3], [u64; 3]) -> u8;
+        let chance: Of<'_> = &|_, ijk| at(ijk);
+        let ball: Of<'_> = &|place, _| smooth(place);
+        for of in [chance, ball] {
             let scaling = Scaling::new(-0.5, 3.0).unwrap();
             let bytes = volume(dims, columns, of);
             let signed = volume(dims, columns, |place, ijk| (of(place, ijk) ^ 128).cast_signed());
@@ -182,7 +183,7 @@ fn samples_of_one_byte_have_the_surfaces_of_the_same_numbers() {
                     assert!((found.volume - exact.volume).abs() <= 1e-9 * exact.volume);
                     let flux = [found.total_gradient, exact.total_gradient];
                     assert!((flux[0] - flux[1]).abs() <= 1e-9 * (1.0 + flux[1]), "{flux:?}");
-                    assert!((found.area - exact.area).abs() <= 2e-3 * most, "{found:?} {exact:?}");
+                    assert!((found.area - exact.area).abs() <= 5e-3 * most, "{found:?} {exact:?}");
                 }
             }
         }
