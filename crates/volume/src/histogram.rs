@@ -168,65 +168,57 @@ impl Histogram {
 
 /// How often each sample of a type occurs that has few: what bin it is in is asked once for each.
 struct Ranks {
-    /// By place in order. In turns, so that neighbours, which are often equal, do not wait for each other.
-    tables: [Vec<u64>; TURNS],
+    /// One table after another, each by place in order. In turns, so that neighbours, which are often equal, do not wait
+    /// for each other.
+    tables: Vec<u64>,
 }
 
 const TURNS: usize = 4;
 
 /// Samples that are counted at once if they are equal, as they are in air.
 const STRIP: usize = 32;
-const PART: usize = 8;
-
-/// Whether samples are equal; NaN is nowhere here.
-#[inline(always)]
-fn is_even<T: Sample, const N: usize>(samples: &[T; N]) -> bool {
-    let first = samples[0].rank();
-    samples.iter().fold(0, |differ, sample| differ | (sample.rank() ^ first)) == 0
-}
 
 impl Ranks {
     fn of<T: Sample>() -> Option<Self> {
         let is_short = size_of::<T>() <= 2;
-        is_short.then(|| Self { tables: [(); TURNS].map(|()| vec![0; T::LAST_RANK as usize + 1]) })
+        is_short.then(|| Self { tables: vec![0; TURNS * (T::LAST_RANK as usize + 1)] })
     }
 
     fn count<T: Sample>(&mut self, row: &[T]) {
-        let (strips, rest) = row.as_chunks::<STRIP>();
-        for strip in strips {
-            if is_even(strip) {
-                self.tables[0][strip[0].rank() as usize] += STRIP as u64;
-                continue;
-            }
-            let (parts, _) = strip.as_chunks::<PART>();
-            for part in parts {
-                if is_even(part) {
-                    self.tables[0][part[0].rank() as usize] += PART as u64;
-                } else {
-                    self.one_by_one(part);
-                }
-            }
+        match size_of::<T>() {
+            1 => count::<T, { 1 << 8 }>(&mut self.tables, row),
+            _ => count::<T, { 1 << 16 }>(&mut self.tables, row),
         }
-        self.one_by_one(rest);
-    }
-
-    #[inline(always)]
-    fn one_by_one<T: Sample>(&mut self, samples: &[T]) {
-        let (turns, rest) = samples.as_chunks::<TURNS>();
-        for turn in turns {
-            for (table, sample) in self.tables.iter_mut().zip(turn) {
-                table[sample.rank() as usize] += 1;
-            }
-        }
-        rest.iter().for_each(|sample| self.tables[0][sample.rank() as usize] += 1);
     }
 
     /// Those that occur.
     fn counts(&self) -> impl Iterator<Item = (u64, u64)> {
-        let sum = |rank: usize| self.tables.iter().map(|table| table[rank]).sum();
-        let all = (0..self.tables[0].len()).map(move |rank| (rank as u64, sum(rank)));
+        let values = self.tables.len() / TURNS;
+        let sum = move |rank: usize| self.tables[rank..].iter().step_by(values).sum();
+        let all = (0..values).map(move |rank| (rank as u64, sum(rank)));
         all.filter(|(_, count)| *count > 0)
     }
+}
+
+/// Into tables of `N` values each, which are all there are.
+fn count<T: Sample, const N: usize>(tables: &mut [u64], row: &[T]) {
+    let (tables, _) = tables.as_chunks_mut::<N>();
+    let Some(tables) = tables.first_chunk_mut::<TURNS>() else { return };
+    let place = |sample: T| sample.rank() as usize % N; // all are less: so the loops need no bounds checks
+    let (strips, rest) = row.as_chunks::<STRIP>();
+    for strip in strips {
+        let first = place(strip[0]);
+        if strip.iter().fold(0, |differ, &sample| differ | (place(sample) ^ first)) == 0 {
+            tables[0][first] += STRIP as u64;
+            continue;
+        }
+        for turn in strip.as_chunks::<TURNS>().0 {
+            for n in 0..TURNS {
+                tables[n][place(turn[n])] += 1;
+            }
+        }
+    }
+    rest.iter().for_each(|&sample| tables[0][place(sample)] += 1);
 }
 
 /// The least and greatest finite value, if any. Infinities are rare: only then is every sample asked again.
