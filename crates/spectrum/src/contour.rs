@@ -35,7 +35,9 @@ pub struct Contour {
     /// Of samples of one byte, on lattices with steps at right angles, normals come from central differences alone: noise
     /// less than a sample wide does not add to it, and of what is one sample thin about half is missing.
     pub area: f64,
-    /// The integral of the gradient's length over it, in units of the values times those of the world.
+    /// The integral of the gradient's length over it, in units of the values times those of the world. Of values that were
+    /// rounded it is too great, by a share of `1 / 2g²` where they rise by `g` roundings from one sample to the next: 0.8 %
+    /// of 8, 3 % of 4.
     pub total_gradient: f64,
     /// The volume of the cells around the samples that are inside, in units of the world cubed.
     pub volume: f64,

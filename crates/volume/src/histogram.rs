@@ -203,7 +203,7 @@ impl Ranks {
 /// Into tables of `N` values each, which are all there are.
 fn count<T: Sample, const N: usize>(tables: &mut [u64], row: &[T]) {
     let (tables, _) = tables.as_chunks_mut::<N>();
-    let Some(tables) = tables.first_chunk_mut::<TURNS>() else { return };
+    let tables = tables.first_chunk_mut::<TURNS>().expect("tables for all turns");
     let place = |sample: T| sample.rank() as usize % N; // all are less: so the loops need no bounds checks
     let (strips, rest) = row.as_chunks::<STRIP>();
     for strip in strips {
@@ -268,7 +268,13 @@ mod tests {
     #[test]
     fn samples_of_one_or_two_bytes_are_counted_as_those_of_four() {
         let chance = (0..5000_u64).map(|n| n.wrapping_mul(6364136223846793005) >> 41);
-        let numbers: Vec<i32> = chance.map(|n| (n % 251) as i32 - 125).collect();
+        // With long and short runs of equal ones, as there are in air.
+        let number = |(at, n): (usize, u64)| match at % 300 {
+            0..100 => (n % 251) as i32 - 125,
+            100..290 => 3,
+            _ => (at / 5) as i32 % 100,
+        };
+        let numbers: Vec<i32> = chance.enumerate().map(number).collect();
         for scaling in [Scaling::IDENTITY, Scaling::new(-0.75, 30.0).unwrap()] {
             for count in [1, 2, 3, 4, 5, 4999, 5000] {
                 let numbers = &numbers[..count];
