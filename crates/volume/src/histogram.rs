@@ -1,9 +1,11 @@
 //! How often each value occurs.
 
-use crate::{Sample, Scaling, Statistics, View};
+use crate::{
+    Sample, Scaling, Statistics, View,
+    ranks::{Ranks, of_parts},
+};
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::exactly;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Counts of values in bins of equal width, from the least finite value to the greatest.
@@ -45,6 +47,32 @@ impl Histogram {
         })
     }
 
+    /// The same, and the statistics. Samples of one or two bytes are looked at only once for both.
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if the job was.
+    pub fn with_statistics<T: Sample>(
+        view: &View<'_, T>,
+        job: &Job,
+    ) -> Result<(Statistics, Option<Self>), Cancelled> {
+        if !Ranks::suit::<T>() {
+            let statistics = Statistics::of(view, job)?;
+            return Ok((statistics, Self::of(view, &statistics, job)?));
+        }
+        job.progress.begin("scan", view.dims()[2] as u64);
+        let ranks = Ranks::of(view, job, || job.progress.advance(1))?;
+        exactly(|| {
+            let statistics = Statistics::of_ranks(&ranks, view);
+            let histogram = finite_range(view, &statistics).map(|range| {
+                let mut histogram = Self::empty::<T>(range, view.scaling());
+                histogram.enter::<T>(&ranks, view.scaling());
+                histogram
+            });
+            Ok((statistics, histogram))
+        })
+    }
+
     /// The bins for finite values in a range.
     pub(crate) fn empty<T: Sample>([least, greatest]: [f64; 2], scaling: Scaling) -> Self {
         let step = scaling.slope().abs();
@@ -68,47 +96,46 @@ impl Histogram {
         view: &View<'_, T>,
         job: &Job,
     ) -> Result<(), Cancelled> {
-        let [_, ny, nz] = view.dims();
-        let (first, per_width, last) = (self.first, 1.0 / self.width, self.counts.len() - 1);
-        let bin = |sample: T| {
-            let value = view.scaling().value(sample.to_f64());
-            let bin = ((value - first) * per_width).round();
-            value.is_finite().then(|| (bin.max(0.0) as usize).min(last))
-        };
+        if Ranks::suit::<T>() {
+            self.enter::<T>(&Ranks::of(view, job, || ())?, view.scaling());
+            return Ok(());
+        }
+        let (rows, bin) = (view.dims()[1], self.bins(view.scaling()));
         let of_slices = |slices: Range<usize>| {
-            let (mut counts, mut scratch) = (vec![0; last + 1], vec![]);
-            let mut ranks = Ranks::of::<T>();
-            for (j, k) in slices.flat_map(|k| (0..ny).map(move |j| (j, k))) {
-                if j == 0 {
-                    job.check()?;
-                }
-                let row = view.row(j, k).gather(&mut scratch);
-                match &mut ranks {
-                    Some(ranks) => ranks.count(row),
-                    None => {
-                        row.iter().filter_map(|&sample| bin(sample)).for_each(|n| counts[n] += 1)
-                    }
-                }
-            }
-            for (rank, count) in ranks.iter().flat_map(Ranks::counts) {
-                if let Some(n) = bin(T::at_rank(rank)) {
-                    counts[n] += count;
+            let (mut counts, mut scratch) = (vec![0; self.counts.len()], vec![]);
+            for k in slices {
+                job.check()?;
+                for j in 0..rows {
+                    let row = view.row(j, k).gather(&mut scratch);
+                    row.iter().filter_map(|&sample| bin(sample)).for_each(|n| counts[n] += 1);
                 }
             }
             Ok(counts)
         };
-        // As few parts as threads, since each has all bins.
-        let per_part = nz.div_ceil(job.threads.count());
-        let parts = job.threads.run(|| {
-            let firsts = (0..nz).into_par_iter().step_by(per_part);
-            let part = |first: usize| exactly(|| of_slices(first..nz.min(first + per_part)));
-            let parts = firsts.map(part);
-            parts.collect::<Result<Vec<Vec<u64>>, Cancelled>>()
-        })?;
-        for part in parts {
+        for part in of_parts(view.dims()[2], job, |slices| exactly(|| of_slices(slices)))? {
             self.counts.iter_mut().zip(part).for_each(|(all, more)| *all += more);
         }
         Ok(())
+    }
+
+    /// What bin a sample is in.
+    fn bins<T: Sample>(&self, scaling: Scaling) -> impl Fn(T) -> Option<usize> + use<T> {
+        let (first, per_width, last) = (self.first, 1.0 / self.width, self.counts.len() - 1);
+        move |sample| {
+            let value = scaling.value(sample.to_f64());
+            let bin = ((value - first) * per_width).round();
+            value.is_finite().then(|| (bin.max(0.0) as usize).min(last))
+        }
+    }
+
+    /// Adds samples that were counted one by one: what bin they are in is asked once for each that occurs.
+    fn enter<T: Sample>(&mut self, ranks: &Ranks, scaling: Scaling) {
+        let bin = self.bins::<T>(scaling);
+        for (sample, count) in ranks.occurring() {
+            if let Some(n) = bin(sample) {
+                self.counts[n] += count;
+            }
+        }
     }
 
     /// The value at the middle of a bin.
@@ -164,61 +191,6 @@ impl Histogram {
         }
         best.map(|(_, bin)| self.first + bin * self.width)
     }
-}
-
-/// How often each sample of a type occurs that has few: what bin it is in is asked once for each.
-struct Ranks {
-    /// One table after another, each by place in order. In turns, so that neighbours, which are often equal, do not wait
-    /// for each other.
-    tables: Vec<u64>,
-}
-
-const TURNS: usize = 4;
-
-/// Samples that are counted at once if they are equal, as they are in air.
-const STRIP: usize = 32;
-
-impl Ranks {
-    fn of<T: Sample>() -> Option<Self> {
-        let is_short = size_of::<T>() <= 2;
-        is_short.then(|| Self { tables: vec![0; TURNS * (T::LAST_RANK as usize + 1)] })
-    }
-
-    fn count<T: Sample>(&mut self, row: &[T]) {
-        match size_of::<T>() {
-            1 => count::<T, { 1 << 8 }>(&mut self.tables, row),
-            _ => count::<T, { 1 << 16 }>(&mut self.tables, row),
-        }
-    }
-
-    /// Those that occur.
-    fn counts(&self) -> impl Iterator<Item = (u64, u64)> {
-        let values = self.tables.len() / TURNS;
-        let sum = move |rank: usize| self.tables[rank..].iter().step_by(values).sum();
-        let all = (0..values).map(move |rank| (rank as u64, sum(rank)));
-        all.filter(|(_, count)| *count > 0)
-    }
-}
-
-/// Into tables of `N` values each, which are all there are.
-fn count<T: Sample, const N: usize>(tables: &mut [u64], row: &[T]) {
-    let (tables, _) = tables.as_chunks_mut::<N>();
-    let tables = tables.first_chunk_mut::<TURNS>().expect("tables for all turns");
-    let place = |sample: T| sample.rank() as usize % N; // all are less: so the loops need no bounds checks
-    let (strips, rest) = row.as_chunks::<STRIP>();
-    for strip in strips {
-        let first = place(strip[0]);
-        if strip.iter().fold(0, |differ, &sample| differ | (place(sample) ^ first)) == 0 {
-            tables[0][first] += STRIP as u64;
-            continue;
-        }
-        for turn in strip.as_chunks::<TURNS>().0 {
-            for n in 0..TURNS {
-                tables[n][place(turn[n])] += 1;
-            }
-        }
-    }
-    rest.iter().for_each(|&sample| tables[0][place(sample)] += 1);
 }
 
 /// The least and greatest finite value, if any. Infinities are rare: only then is every sample asked again.

@@ -148,6 +148,8 @@ mod tests {
             let source = || Ok(Slices::new(view));
             let found = Histogram::of_slices(source, &statistics, &job).unwrap();
             assert_eq!(found, Histogram::of(&view, &statistics, &job).unwrap());
+            let both = Histogram::with_statistics(&view, &job).unwrap();
+            assert_eq!(both, (statistics, found));
         }
     }
 
@@ -155,6 +157,7 @@ mod tests {
     fn slices_that_pass_by_tell_what_the_volume_tells() {
         check([1500, 1000, 5], |r| (r % 251) as u8);
         check([70, 3, 9], |r| r as i16);
+        check([3, 3, 3], |_| -7_i8);
         check([700, 900, 7], |r| if r % 5 == 0 { f32::NAN } else { r as f32 });
         check([700, 900, 4], |r| if r % 3 == 0 { f64::INFINITY } else { r as f64 - 1e6 });
         check([5, 5, 5], |_| f32::NAN);

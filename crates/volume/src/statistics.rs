@@ -1,6 +1,6 @@
 //! The least and greatest value, and what has no value.
 
-use crate::{Sample, View};
+use crate::{Sample, View, ranks::Ranks};
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::exactly;
 use rayon::prelude::*;
@@ -50,6 +50,14 @@ impl Statistics {
             parts.collect::<Result<Vec<_>, Cancelled>>()
         })?;
         Ok(exactly(|| Self::from_parts(parts, view)))
+    }
+
+    /// Of all samples, counted one by one.
+    pub(crate) fn of_ranks<T: Sample>(ranks: &Ranks, view: &View<'_, T>) -> Self {
+        let mut samples = ranks.occurring().map(|(sample, _)| sample);
+        let least = samples.next();
+        let greatest = samples.next_back().or(least);
+        Self::from_parts(vec![Part { least, greatest, ..Part::EMPTY }], view)
     }
 
     fn from_parts<T: Sample>(parts: Vec<Part<T>>, view: &View<'_, T>) -> Self {

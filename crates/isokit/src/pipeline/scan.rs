@@ -204,9 +204,14 @@ impl Scan {
         if let Some(known) = self.histogram.get() {
             return Ok(known.as_ref());
         }
-        let range = self.statistics(job)?;
-        let found =
-            for_any!(&self.volume, volume => Histogram::of(&self.view(volume), &range, job))?;
+        let found = for_any!(&self.volume, volume => match self.statistics.get() {
+            Some(statistics) => Histogram::of(&self.view(volume), statistics, job)?,
+            None => {
+                let (statistics, found) = Histogram::with_statistics(&self.view(volume), job)?;
+                self.statistics.get_or_init(|| statistics);
+                found
+            }
+        });
         Ok(self.histogram.get_or_init(|| found).as_ref())
     }
 
