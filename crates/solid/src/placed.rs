@@ -132,3 +132,6 @@ impl ScalarField for Placed {
         exactly(|| self.tape.fill(points, values));
     }
 }
+
+#[cfg(test)]
+mod tests;
