@@ -14,6 +14,7 @@ mod sample;
 mod shades;
 mod values;
 mod volume;
+mod voxelize;
 
 pub(crate) use choices::{
     BetweenArg, BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg,
@@ -27,6 +28,7 @@ pub(crate) use sample::{FloatArg, SampleArgs};
 pub(crate) use shades::{ColorMapArg, TextureArg};
 pub(crate) use values::{LevelArg, SampleType, Triple};
 pub(crate) use volume::{FileArgs, VolumeArgs};
+pub(crate) use voxelize::{ModeArg, VoxelizeArgs};
 
 use clap::{Args, Parser, Subcommand};
 use isokit::field::Filter;
@@ -119,6 +121,19 @@ Examples:
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw, of f32 (nearest: of the type they had; of i32, u32 and f64: f64).")]
     Resample(ResampleArgs),
     Sample(SampleArgs),
+    /// Turn a mesh into a volume: how far the surface is, or whether a sample is inside
+    ///
+    /// Distances are in the mesh's unit and positive inside, so that `isokit extract OUT --iso 0` gives the mesh back. Inside
+    /// is where the surface winds around a sample half a time or more, either way round: meshes with holes, with faces that
+    /// are twice there, turned over or go through each other have an inside too.
+    #[command(after_help = "\
+Examples:
+  isokit voxelize part.stl --spacing 0.5 -o part.nrrd
+  isokit voxelize part.stl --spacing 0.5 --band 2 -o part.nrrd
+  isokit voxelize shell.ply --spacing 1 --mode occupancy --conservative -o shell.nii.gz
+
+Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; distances f32, occupancy u8.")]
+    Voxelize(VoxelizeArgs),
     /// Make a picture of surfaces, or of the values of a volume
     Render(Box<RenderArgs>),
     /// Print a script that completes isokit's commands and options in a shell

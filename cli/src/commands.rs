@@ -12,6 +12,7 @@ pub(crate) mod resample;
 pub(crate) mod sample;
 mod slabs;
 pub(crate) mod suggest;
+pub(crate) mod voxelize;
 
 use crate::{Session, plan::TextTarget};
 use anyhow::{Context, Result};

@@ -11,6 +11,7 @@ mod resample;
 mod sample;
 mod suggest;
 mod target;
+mod voxelize;
 
 pub(crate) use color::ColorPlan;
 pub(crate) use convert::{ConvertPlan, ConvertTo};
@@ -21,6 +22,7 @@ pub(crate) use resample::ResamplePlan;
 pub(crate) use sample::SamplePlan;
 pub(crate) use suggest::SuggestPlan;
 pub(crate) use target::{MeshTarget, Stream, TextTarget, is_png};
+pub(crate) use voxelize::VoxelizePlan;
 
 #[cfg(test)]
 mod tests;

@@ -36,7 +36,8 @@ fn volume(
     let input = &plan.input;
     if options.raw.is_none() && !detect(input)?.is_volume() {
         let message = format!("{}: this is a mesh, and the output is a volume", input.display());
-        let advice = "choose .glb .gltf .obj .ply or .stl; no command makes a volume of a mesh";
+        let advice =
+            "choose .glb .gltf .obj .ply or .stl; `isokit voxelize` makes a volume of a mesh";
         return Err(CallerError { message, advice }.into());
     }
     let scan = Scan::open(input, options, plan.space, &Region::Whole, &session.job)?;

@@ -80,7 +80,7 @@ fn nonsense_is_refused_in_a_clear_sentence() {
     folder.done("extract ball.nii --iso 50 -o a.ply");
     for (line, exit, says) in [
         ("convert ball.nii -o b.ply", Exit::Failed, "`isokit extract` makes a mesh of a volume"),
-        ("convert a.ply -o b.nii", Exit::Failed, "no command makes a volume of a mesh"),
+        ("convert a.ply -o b.nii", Exit::Failed, "isokit voxelize` makes a volume of a mesh"),
         ("convert a.ply -o b.tiff", Exit::Usage, "found .tiff"),
         ("convert ball.nii -o b.mha", Exit::Usage, "found .mha"),
         ("convert ball.nii -o b.nrrd --gltf-unit mm", Exit::Usage, "the output is a volume"),

@@ -1,4 +1,4 @@
-//! Solids as fields: shapes that are put together from others.
+//! Solids as fields: shapes that are put together from others, and meshes.
 //!
 //! A [`Model`] is a tree of [`Shape`]s, in Rust or in a file. Built, it is a [`Solid`], which knows the value at each point
 //! of the world; on a lattice it is [`Placed`], a field like any other.
@@ -13,17 +13,33 @@
 //! assert!(solid.value([6.0, 0.0, 0.0]) > 0.0 && solid.value([0.0, 6.0, 0.0]) < 0.0);
 //! # Ok::<(), isokit_solid::ShapeError>(())
 //! ```
+//!
+//! A [`MeshSolid`] is what a mesh bounds, however broken the mesh is: it knows the distance of its surface and on which
+//! side a point is. [`voxelize`] makes a volume of it.
 
+mod around;
+mod bvh;
+mod distance;
 mod formula;
+#[cfg(test)]
+mod kit;
+mod mesh_solid;
 mod placed;
+mod repair;
 mod shape;
 mod tape;
+mod voxelize;
+mod winding;
 
+pub use around::{AroundError, grid_around};
+pub use distance::Part;
 pub use formula::{Formula, FormulaError};
+pub use mesh_solid::{Closest, Flaws, Inside, MeshSolid, SolidError, SolidOptions, Winding};
 pub use placed::Placed;
 pub use shape::{
     Array, Combination, Model, PeriodicSurface, Region, Shape, ShapeError, ShapeFault, Solid,
 };
+pub use voxelize::{VoxelError, VoxelMode, VoxelOptions, Walls, voxelize};
 
 #[cfg(test)]
 mod chance;

@@ -8,8 +8,12 @@ mod shape;
 
 use isokit::{
     field::Filter,
+    geom::{Affine, Frame},
+    io::read_mesh,
     job::{Job, Threads},
+    mesh::{TriMesh, weld_exact},
     pipeline::Scan,
+    solid::{MeshSolid, SolidOptions, VoxelOptions, voxelize},
     volume::{AnyVolume, Dtype, Grid, Sample, Volume, for_any, for_dtype},
 };
 use serde::{Deserialize, Serialize};
@@ -45,6 +49,17 @@ enum Request {
     Judge { path: PathBuf, mesh: PathBuf },
     /// The steps of a shape, for others to read.
     Listing { path: PathBuf, out: PathBuf },
+    /// Take a mesh into memory, welded.
+    Mesh { path: PathBuf },
+    /// Its distance at samples, from the mesh on; and where to write them, raw.
+    Voxelize {
+        threads: usize,
+        dims: [u64; 3],
+        spacing: f64,
+        origin: [f64; 3],
+        band: Option<f64>,
+        out: Option<PathBuf>,
+    },
 }
 
 /// What was found.
@@ -67,11 +82,11 @@ struct Answer {
 }
 
 fn main() -> Result<(), Failure> {
-    let mut scan = None;
+    let (mut scan, mut mesh) = (None, None);
     for line in stdin().lock().lines() {
         let request: Request = serde_json::from_str(&line?)?;
         let failed = |why: Failure| Answer { error: Some(why.to_string()), ..Answer::default() };
-        let answer = answer(request, &mut scan).unwrap_or_else(failed);
+        let answer = answer(request, &mut scan, &mut mesh).unwrap_or_else(failed);
         let mut out = stdout().lock();
         serde_json::to_writer(&mut out, &answer)?;
         out.write_all(b"\n")?;
@@ -80,7 +95,32 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-fn answer(request: Request, loaded: &mut Option<Scan>) -> Result<Answer, Failure> {
+fn answer(
+    request: Request,
+    loaded: &mut Option<Scan>,
+    mesh: &mut Option<TriMesh>,
+) -> Result<Answer, Failure> {
+    if let Request::Mesh { path } = request {
+        let job = Job::default();
+        let read = read_mesh(&path, &job)?;
+        let first = read.surfaces.first().ok_or("there is no surface")?;
+        *mesh = Some(weld_exact(&first.mesh, &job)?.mesh);
+        return Ok(Answer::default());
+    }
+    if let Request::Voxelize { threads, dims, spacing, origin, band, out } = request {
+        let (job, mesh) = (job(threads)?, mesh.as_ref().ok_or("no mesh is loaded")?);
+        let index_to_world = Affine::axis_aligned([spacing; 3], origin)?;
+        let grid = Grid::new(dims, Frame { index_to_world, ..Frame::default() })?;
+        let mut options = VoxelOptions::default();
+        options.band = band;
+        let work = || -> Result<AnyVolume, Failure> {
+            let solid = MeshSolid::new(mesh, SolidOptions::default(), &job)?;
+            Ok(voxelize(&solid, grid, &options, &job)?)
+        };
+        let (seconds, made) = timed(work);
+        write(&made?, out.as_deref())?;
+        return Ok(Answer { seconds, ..Answer::default() });
+    }
     if let Request::Load { path, dims, dtype } = request {
         let dtype = Dtype::from_name(&dtype).ok_or("no such type of sample")?;
         *loaded = None; // before there are two
