@@ -21,3 +21,4 @@ mod slabs;
 mod streams;
 mod suggest;
 mod vectors;
+mod voxelize;
