@@ -6,7 +6,9 @@ in new memory. Resampling is by the interpolating cubic B-spline at half the dis
 root mean squares against the function that the samples are of, of all new samples and of those
 that are more than eight old ones from the border. scipy.ndimage has one thread. A read is the sum
 of all 64-bit words, by as many threads. The error of the surface of a shape is the root mean square,
-over the mesh, of value over slope of the shape. fidget runs with its JIT. Started by
+over the mesh, of value over slope of the shape. fidget runs with its JIT. Distances are signed, from
+a mesh in memory on, trees over triangles included; MeshLib has a thread for each processor that it is
+let run on, trimesh one thread and few of the samples, by which its time is scaled. Started by
 `scripts/bench_fields`.
 """
 
@@ -20,7 +22,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from kit import bench_machine, bench_shapes
+from kit import bench_machine, bench_meshes, bench_shapes
 from kit.bench_turns import interleaved
 from kit.bench_volumes import Absent, Store, Volume
 from kit.bench_worker import Failed, Worker
@@ -171,7 +173,21 @@ def fidget(store: Store, rounds: int, n: int, threads: int) -> list[dict]:
     return rows
 
 
-PARTS = {"resample": resample, "spectrum": spectrum, "shapes": shapes, "fidget": fidget}
+def voxelize(store: Store, rounds: int, n: int, threads: int) -> list[dict]:
+    """The distances of a mesh at all samples, beside MeshLib and trimesh."""
+    rows = bench_meshes.voxelize(store.data, rounds, n, threads)
+    for row in rows:
+        say(row)
+    return rows
+
+
+PARTS = {
+    "resample": resample,
+    "spectrum": spectrum,
+    "shapes": shapes,
+    "fidget": fidget,
+    "voxelize": voxelize,
+}
 
 
 def say(row: dict) -> None:

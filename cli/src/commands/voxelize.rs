@@ -33,8 +33,7 @@ fn voxels(plan: &VoxelizePlan, session: &Session<'_, '_>) -> Result<()> {
         Ok(solid) => solid,
     };
     told(&solid.flaws(), session);
-    let bounds = whole.bounds().unwrap_or(isokit::geom::Aabb { min: [0.0; 3], max: [0.0; 3] });
-    let grid = grid_around(bounds, plan.spacing, plan.margin, input.unit, input.space)
+    let grid = grid_around(solid.bounds(), plan.spacing, plan.margin, input.unit, input.space)
         .map_err(|why| failed(&why, "choose another --spacing"))?;
     let volume = match voxelize(&solid, grid, &plan.options, job) {
         Err(isokit::solid::VoxelError::Stopped(stopped)) => return Err(stopped.into()),

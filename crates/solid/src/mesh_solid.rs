@@ -6,6 +6,7 @@ use crate::{
     repair::{Repaired, repaired},
     winding::{Rim, Search, Windings},
 };
+use isokit_geom::Aabb;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
 use isokit_mesh::TriMesh;
@@ -97,6 +98,7 @@ pub struct Flaws {
 /// The solid that a mesh encloses: how far its surface is, and whether a point is inside.
 #[derive(Clone, Debug)]
 pub struct MeshSolid {
+    bounds: Aabb,
     place: Place,
     bvh: Bvh,
     windings: Windings,
@@ -129,14 +131,8 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    pub(crate) fn of(triangles: &[[[f64; 3]; 3]]) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [-f64::INFINITY; 3]);
-        for corner in triangles.as_flattened() {
-            for k in 0..3 {
-                low[k] = low[k].min(corner[k]);
-                high[k] = high[k].max(corner[k]);
-            }
-        }
+    pub(crate) fn of(bounds: Aabb) -> Self {
+        let Aabb { min: low, max: high } = bounds;
         let half = [0, 1, 2].map(|k| 0.5 * high[k] - 0.5 * low[k]);
         let reach = half.into_iter().fold(0.0, f64::max);
         let exponent = if reach > 0.0 { reach.log2().ceil() as i32 + 1 } else { 0 };
@@ -169,7 +165,9 @@ impl MeshSolid {
         let Repaired { triangles, weights, rim, flaws } =
             exactly(|| repaired(mesh, options.winding, job))?;
         job.check().map_err(Stopped::from)?;
-        let place = Place::of(&triangles);
+        let mut bounds = Aabb { min: triangles[0][0], max: triangles[0][0] };
+        triangles.as_flattened().iter().for_each(|&corner| bounds = bounds.with(corner));
+        let place = Place::of(bounds);
         let inward = |corners: &[[f64; 3]; 3]| corners.map(|corner| place.inward(corner));
         let local: Vec<_> = triangles.iter().map(inward).collect();
         let edges: Vec<_> =
@@ -182,12 +180,17 @@ impl MeshSolid {
                 (bvh, windings, Rim::new(&edges))
             })
         });
-        Ok(Self { place, bvh, windings, rim, inside: options.inside, flaws })
+        Ok(Self { bounds, place, bvh, windings, rim, inside: options.inside, flaws })
     }
 
     /// What was found wrong with the mesh.
     pub fn flaws(&self) -> Flaws {
         self.flaws
+    }
+
+    /// The box around all triangles; vertices of none do not count.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
     }
 
     /// When a point is inside.

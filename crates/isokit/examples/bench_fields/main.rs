@@ -4,18 +4,17 @@
 //! Requests and answers are JSON, one object a line, on stdin and stdout, as those of the example `bench_error`. Reading
 //! the volume is outside of all times.
 
+mod mesh;
 mod shape;
 
 use isokit::{
     field::Filter,
-    geom::{Affine, Frame},
-    io::read_mesh,
     job::{Job, Threads},
-    mesh::{TriMesh, weld_exact},
+    mesh::TriMesh,
     pipeline::Scan,
-    solid::{MeshSolid, SolidOptions, VoxelOptions, voxelize},
     volume::{AnyVolume, Dtype, Grid, Sample, Volume, for_any, for_dtype},
 };
+use mesh::Around;
 use serde::{Deserialize, Serialize};
 use shape::{How, Judged};
 use std::{
@@ -54,10 +53,8 @@ enum Request {
     /// Its distance at samples, from the mesh on; and where to write them, raw.
     Voxelize {
         threads: usize,
-        dims: [u64; 3],
-        spacing: f64,
-        origin: [f64; 3],
-        band: Option<f64>,
+        #[serde(flatten)]
+        lattice: Around,
         out: Option<PathBuf>,
     },
 }
@@ -101,24 +98,13 @@ fn answer(
     mesh: &mut Option<TriMesh>,
 ) -> Result<Answer, Failure> {
     if let Request::Mesh { path } = request {
-        let job = Job::default();
-        let read = read_mesh(&path, &job)?;
-        let first = read.surfaces.first().ok_or("there is no surface")?;
-        *mesh = Some(weld_exact(&first.mesh, &job)?.mesh);
+        *mesh = Some(mesh::read(&path)?);
         return Ok(Answer::default());
     }
-    if let Request::Voxelize { threads, dims, spacing, origin, band, out } = request {
-        let (job, mesh) = (job(threads)?, mesh.as_ref().ok_or("no mesh is loaded")?);
-        let index_to_world = Affine::axis_aligned([spacing; 3], origin)?;
-        let grid = Grid::new(dims, Frame { index_to_world, ..Frame::default() })?;
-        let mut options = VoxelOptions::default();
-        options.band = band;
-        let work = || -> Result<AnyVolume, Failure> {
-            let solid = MeshSolid::new(mesh, SolidOptions::default(), &job)?;
-            Ok(voxelize(&solid, grid, &options, &job)?)
-        };
-        let (seconds, made) = timed(work);
-        write(&made?, out.as_deref())?;
+    if let Request::Voxelize { threads, lattice, out } = request {
+        let mesh = mesh.as_ref().ok_or("no mesh is loaded")?;
+        let (seconds, made) = mesh::distances(mesh, &lattice, &job(threads)?)?;
+        write(&made, out.as_deref())?;
         return Ok(Answer { seconds, ..Answer::default() });
     }
     if let Request::Load { path, dims, dtype } = request {

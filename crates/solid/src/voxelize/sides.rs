@@ -6,6 +6,7 @@
 //! are joined by them, and again for parts of a block where it may come past a half between.
 
 use super::{Lattice, farthest};
+use isokit_geom::{Affine, vector::length};
 
 /// A block of samples; distances get their sign.
 pub(super) struct Sides<'a> {
@@ -16,6 +17,8 @@ pub(super) struct Sides<'a> {
     is_decided: Vec<bool>,
     /// World units between neighbours, a little more.
     steps: [f64; 3],
+    /// Steps along more than one axis, and how long they are.
+    diagonals: Vec<([isize; 3], f64)>,
 }
 
 /// By how much distances and steps may be wrong.
@@ -28,6 +31,22 @@ struct Region {
     deepest: [usize; 3],
     /// No more steps than this from it to another.
     steps: usize,
+    /// Whether there are samples that only a diagonal leads to.
+    has_diagonals: bool,
+}
+
+impl Region {
+    fn is_single(&self) -> bool {
+        self.members.len() == 1
+    }
+}
+
+/// All steps to neighbours that are along two axes or three, and how long they are, a little more.
+fn diagonals(index_to_world: &Affine) -> Vec<([isize; 3], f64)> {
+    let all = (0..27).map(|n| [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1]);
+    let all = all.filter(|step| step.iter().filter(|&&along| along != 0).count() > 1);
+    let long = |step: [isize; 3]| length(index_to_world.vector(step.map(|along| along as f64)));
+    all.map(|step| (step, long(step) * SLACK)).collect()
 }
 
 impl<'a> Sides<'a> {
@@ -41,7 +60,8 @@ impl<'a> Sides<'a> {
         let steps = lattice.index_to_world.spacing().map(|step| step * SLACK);
         // What is on the surface is inside.
         let is_decided = distances.iter().map(|&distance| distance == 0.0).collect();
-        Self { lattice, from, size, distances, is_decided, steps }
+        let diagonals = diagonals(&lattice.index_to_world);
+        Self { lattice, from, size, distances, is_decided, steps, diagonals }
     }
 
     /// Gives outer ones a sign.
@@ -84,7 +104,9 @@ impl<'a> Sides<'a> {
             return;
         }
         let mut is_whole = true;
-        for region in self.regions(low, size) {
+        let mut regions = self.regions(low, size);
+        self.join_single_ones(&mut regions, low, size);
+        for region in regions {
             match self.is_inside(&region, size) {
                 Some(is_inside) => {
                     region.members.into_iter().for_each(|ijk| self.set(ijk, is_inside));
@@ -120,6 +142,44 @@ impl<'a> Sides<'a> {
         true
     }
 
+    /// Joins samples that are alone to others by steps along diagonals.
+    ///
+    /// Beside a surface that is oblique to the axes a step along one of them hardly leads away from it.
+    fn join_single_ones(&self, regions: &mut Vec<Region>, low: [usize; 3], size: [usize; 3]) {
+        let place = |at: [usize; 3]| {
+            let [i, j, k] = [0, 1, 2].map(|axis| at[axis] - low[axis]);
+            (k * size[1] + j) * size[0] + i
+        };
+        let mut owners = vec![usize::MAX; size.iter().product()];
+        for (n, region) in regions.iter().enumerate().filter(|(_, region)| !region.is_single()) {
+            region.members.iter().for_each(|&at| owners[place(at)] = n);
+        }
+        for n in 0..regions.len() {
+            if !regions[n].is_single() {
+                continue;
+            }
+            let at = regions[n].deepest;
+            let distance = self.distance(at);
+            let owner = self.diagonals.iter().find_map(|&(step, long)| {
+                let beside = [0, 1, 2].map(|axis| at[axis].wrapping_add_signed(step[axis]));
+                let is_here = |axis: usize| beside[axis].wrapping_sub(low[axis]) < size[axis];
+                let is_joined = (0..3).all(is_here) && distance + self.distance(beside) > long;
+                let owner = if is_joined { owners[place(beside)] } else { usize::MAX };
+                (owner != usize::MAX).then_some(owner)
+            });
+            if let Some(owner) = owner {
+                regions[n].members.clear();
+                regions[owner].members.push(at);
+                regions[owner].has_diagonals = true;
+            }
+        }
+        regions.retain(|region| !region.members.is_empty());
+        // A diagonal is no longer than a step along each axis.
+        for region in regions.iter_mut().filter(|region| region.has_diagonals) {
+            region.steps += 3;
+        }
+    }
+
     /// Which side all are on that ways in a ball around a sample lead to, if it is one.
     fn is_inside_near(&self, ijk: [usize; 3], radius: f64, way: f64) -> Option<bool> {
         let (solid, point) = (self.lattice.solid, self.point(ijk));
@@ -130,7 +190,7 @@ impl<'a> Sides<'a> {
 
     fn is_inside(&self, region: &Region, size: [usize; 3]) -> Option<bool> {
         let solid = self.lattice.solid;
-        if solid.is_closed() || region.members.len() == 1 {
+        if solid.is_closed() || region.is_single() {
             return Some(solid.is_in(self.point(region.deepest)));
         }
         let radius = farthest(&self.lattice.index_to_world, size.map(|n| (n - 1) as f64)) * SLACK;
@@ -153,7 +213,8 @@ impl<'a> Sides<'a> {
                 continue;
             }
             is_seen[self.number(start)] = true;
-            let mut region = Region { members: vec![start], deepest: start, steps: 0 };
+            let mut region =
+                Region { members: vec![start], deepest: start, steps: 0, has_diagonals: false };
             let (mut next, mut round_ends) = (0, 1);
             while next < region.members.len() {
                 if next == round_ends {
