@@ -59,7 +59,7 @@ pub(crate) struct ExtractArgs {
     pub(crate) refine: Option<u32>,
     /// Divide triangles, only where the field curves, until none leaves its surface by more than E, in world
     /// units. Those of which that cannot be said, as in noise, are counted
-    #[arg(long, value_name = "E", value_parser = values::error, help_heading = "Accuracy")]
+    #[arg(long, value_name = "E", value_parser = values::length, help_heading = "Accuracy")]
     #[arg(conflicts_with = "refine")]
     pub(crate) max_error: Option<f64>,
     /// Move vertices along their normals so that triangles lie as much outside of the field's surface as

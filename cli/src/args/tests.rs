@@ -67,7 +67,6 @@ fn what_is_not_built_is_not_accepted() {
         refused(&format!("extract a.nii --iso 1 -o a.glb {option}"), "unexpected argument");
     }
     refused("extract a.nii --iso 1 -o a.glb --placement spline", "invalid value 'spline'");
-    refused("voxelize a.ply", "unrecognized subcommand");
 }
 
 #[test]

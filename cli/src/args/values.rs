@@ -164,8 +164,8 @@ pub(crate) fn distance(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a distance, 0 or more, found {text:?}"))
 }
 
-/// An error that can be reached: above 0.
-pub(crate) fn error(text: &str) -> Result<f64, String> {
+/// A length above 0.
+pub(crate) fn length(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| format!("expected a distance above 0, found {text:?}"))
 }
@@ -225,7 +225,7 @@ pub(crate) fn unit(text: &str) -> Result<Unit, String> {
 #[cfg(test)]
 mod tests {
     use super::{
-        LevelArg, SampleType, Triple, angle, count, distance, error, filter, fov, levels, size,
+        LevelArg, SampleType, Triple, angle, count, distance, filter, fov, length, levels, size,
         sizes, spacing, unit,
     };
     use isokit::{
@@ -336,11 +336,11 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_above_0_and_levels_few() {
-        assert_eq!((error("1e-3"), levels("1"), levels("6")), (Ok(1e-3), Ok(1), Ok(6)));
+    fn lengths_are_above_0_and_levels_few() {
+        assert_eq!((length("1e-3"), levels("1"), levels("6")), (Ok(1e-3), Ok(1), Ok(6)));
         for text in ["0", "-0", "-1", "nan", "inf", "x", ""] {
             let refusal = format!("expected a distance above 0, found {text:?}");
-            assert_eq!(error(text), Err(refusal));
+            assert_eq!(length(text), Err(refusal));
         }
         for text in ["0", "7", "-1", "1.5", "x", ""] {
             assert_eq!(levels(text), Err(format!("expected 1 to 6, found {text:?}")));

@@ -16,14 +16,14 @@ pub(crate) struct VoxelizeArgs {
     pub(crate) mode: ModeArg,
     /// How far from the surface distances are told, in the mesh's unit; farther out there is this one. Takes less time
     /// [default: everywhere]
-    #[arg(long, value_name = "DISTANCE", value_parser = values::distance)]
+    #[arg(long, value_name = "DISTANCE", value_parser = values::length, allow_negative_numbers = true)]
     pub(crate) band: Option<f64>,
     /// Keep walls that are thinner than samples are apart: what is no farther from the solid than half a cell's diagonal is
     /// inside too
     #[arg(long)]
     pub(crate) conservative: bool,
     /// Samples beyond the mesh, on each side
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, allow_negative_numbers = true)]
     pub(crate) margin: u32,
     /// The file to write; its extension decides the format
     #[arg(short, long, value_name = "FILE")]

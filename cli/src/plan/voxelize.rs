@@ -35,9 +35,6 @@ impl VoxelizePlan {
         }
         let mut places = Places::of_input(&mesh);
         volume_files(&output).iter().try_for_each(|file| places.add("--output", file))?;
-        if band == Some(0.0) {
-            return Err(UsageError("--band: a band is wider than 0".into()).into());
-        }
         if band.is_some() && mode == ModeArg::Occupancy {
             let says = "--band is for distances: leave it out with --mode occupancy";
             return Err(UsageError(says.into()).into());

@@ -40,7 +40,7 @@ fn the_surface_of_a_shape_is_that_of_its_volume() {
 fn a_report_says_how_much_was_skipped() {
     let folder = Folder::new();
     fs::write(folder.path("part.toml"), PART).unwrap();
-    folder.done("extract part.toml --spacing 0.25 -o a.ply --report r.json");
+    folder.done("extract part.toml --spacing 0.1 -o a.ply --report r.json");
     let report = folder.json("r.json");
     let number = |key: &str| report["skipped"][key].as_u64().unwrap();
     assert!(number("bricks_skipped") * 2 > number("bricks"));

@@ -17,15 +17,15 @@ use std::{
 
 type Mesh = (Vec<[f64; 3]>, Vec<[usize; 3]>);
 
-/// Writes a mesh as OBJ.
-fn obj(folder: &Folder, name: &str, (places, triangles): &Mesh) {
-    let mut text = String::new();
-    for [x, y, z] in places {
-        writeln!(text, "v {x} {y} {z}").unwrap();
-    }
-    for [a, b, c] in triangles.iter().map(|t| t.map(|v| v + 1)) {
-        writeln!(text, "f {a} {b} {c}").unwrap();
-    }
+/// Writes a mesh as PLY, in f64.
+fn ply(folder: &Folder, name: &str, (places, triangles): &Mesh) {
+    let mut text = "ply\nformat ascii 1.0\n".to_owned();
+    writeln!(text, "element vertex {}", places.len()).unwrap();
+    ["x", "y", "z"].iter().for_each(|axis| writeln!(text, "property double {axis}").unwrap());
+    writeln!(text, "element face {}", triangles.len()).unwrap();
+    text.push_str("property list uchar int vertex_indices\nend_header\n");
+    places.iter().for_each(|[x, y, z]| writeln!(text, "{x} {y} {z}").unwrap());
+    triangles.iter().for_each(|[a, b, c]| writeln!(text, "3 {a} {b} {c}").unwrap());
     fs::write(folder.path(name), text).unwrap();
 }
 
@@ -63,7 +63,7 @@ fn samples(folder: &Folder, name: &str) -> (Grid, Vec<f64>) {
         AnyVolume::U8(volume) => volume.samples().iter().map(|&s| f64::from(s)).collect(),
         other => panic!("{}", other.dtype()),
     };
-    (read.volume.grid(), samples)
+    (*read.volume.grid(), samples)
 }
 
 fn points(grid: &Grid) -> impl Iterator<Item = [f64; 3]> {
@@ -88,20 +88,20 @@ const HALF: [f64; 3] = [2.0, 1.5, 1.0];
 #[test]
 fn a_box_has_the_distances_of_a_box() {
     let folder = Folder::new();
-    obj(&folder, "box.obj", &cuboid(HALF));
-    let ran = folder.done("voxelize box.obj --spacing 0.3,0.25,0.2 -o far.nrrd");
-    assert!(ran.err.contains("18 x 17 x 15 of f32"), "{}", ran.err);
+    ply(&folder, "box.ply", &cuboid(HALF));
+    let ran = folder.done("voxelize box.ply --spacing 0.3,0.25,0.2 -o far.nrrd");
+    assert!(ran.err.contains("19 x 17 x 15 of f32"), "{}", ran.err);
     let (grid, found) = samples(&folder, "far.nrrd");
     assert_near(grid.frame.index_to_world.spacing(), [0.3, 0.25, 0.2], 1e-12);
     for (p, found) in points(&grid).zip(found) {
         let expected = to_cuboid(HALF, p);
         assert!((found - expected).abs() < 1e-6, "{p:?}: {found}, not {expected}");
     }
-    folder.done("voxelize box.obj --spacing 0.3,0.25,0.2 --band 0.4 -o near.nrrd");
+    folder.done("voxelize box.ply --spacing 0.3,0.25,0.2 --band 0.4 -o near.nrrd");
     for (p, found) in points(&grid).zip(samples(&folder, "near.nrrd").1) {
         assert!((found - to_cuboid(HALF, p).clamp(-0.4, 0.4)).abs() < 1e-6, "{p:?}: {found}");
     }
-    folder.done("voxelize box.obj --spacing 0.3 --mode occupancy --margin 4 -o full.nii.gz");
+    folder.done("voxelize box.ply --spacing 0.3 --mode occupancy --margin 4 -o full.nii.gz");
     let (grid, found) = samples(&folder, "full.nii.gz");
     assert_eq!(grid.dims(), [23, 19, 16]);
     for (p, found) in points(&grid).zip(found) {
@@ -113,12 +113,12 @@ fn a_box_has_the_distances_of_a_box() {
 #[test]
 fn a_mesh_comes_back_from_its_distances_ever_better() {
     let folder = Folder::new();
-    obj(&folder, "ring.obj", &torus(1.0, 0.4, [256, 128]));
-    let known = folder.topology("ring.obj");
+    ply(&folder, "ring.ply", &torus(1.0, 0.4, [256, 128]));
+    let known = folder.topology("ring.ply");
     assert!(known.shortfalls().is_empty() && known.genus() == Some(1), "{known:?}");
     let spacings = [0.16, 0.08, 0.04];
     let errors = spacings.map(|h| {
-        folder.done(&format!("voxelize ring.obj --spacing {h} -o ring.nrrd"));
+        folder.done(&format!("voxelize ring.ply --spacing {h} -o ring.nrrd"));
         let (grid, found) = samples(&folder, "ring.nrrd");
         for (p, found) in points(&grid).zip(found) {
             let away = (found - to_torus(1.0, 0.4, p)).abs();
@@ -163,8 +163,8 @@ fn broken() -> Mesh {
 fn a_broken_mesh_has_an_inside_and_is_told_of() {
     let folder = Folder::new();
     let mesh = broken();
-    obj(&folder, "broken.obj", &mesh);
-    let ran = folder.done("voxelize broken.obj --spacing 0.06 -o broken.nrrd");
+    ply(&folder, "broken.ply", &mesh);
+    let ran = folder.done("voxelize broken.ply --spacing 0.06 -o broken.nrrd");
     for says in ["counted once", "turned to be wound as their neighbours", "the surface ends"] {
         assert!(ran.err.contains(says), "{}", ran.err);
     }
@@ -187,11 +187,11 @@ fn a_broken_mesh_has_an_inside_and_is_told_of() {
 fn vertices_of_no_triangle_count_for_nothing() {
     let folder = Folder::new();
     let mut mesh = cuboid(HALF);
-    obj(&folder, "a.obj", &mesh);
+    ply(&folder, "a.ply", &mesh);
     mesh.0.push([1e9, 0.0, 0.0]);
-    obj(&folder, "b.obj", &mesh);
+    ply(&folder, "b.ply", &mesh);
     for name in ["a", "b"] {
-        folder.done(&format!("voxelize {name}.obj --spacing 0.5 -o {name}.nrrd"));
+        folder.done(&format!("voxelize {name}.ply --spacing 0.5 -o {name}.nrrd"));
     }
     let [a, b] = ["a.nrrd", "b.nrrd"].map(|name| fs::read(folder.path(name)).unwrap());
     assert!(a == b);
@@ -200,24 +200,42 @@ fn vertices_of_no_triangle_count_for_nothing() {
 #[test]
 fn thin_walls_are_kept_on_request() {
     let folder = Folder::new();
-    obj(&folder, "plate.obj", &cuboid([1.0, 1.0, 0.01]));
-    let inside = |words: &str| {
-        folder.done(&format!("voxelize plate.obj --spacing 0.3 --mode occupancy {words} -o a.npy"));
-        samples(&folder, "a.npy").1.into_iter().sum::<f64>()
+    let (sin, cos) = 0.5_f64.sin_cos();
+    // Oblique to the samples, so that hardly any is in it.
+    let tilt = |[x, y, z]: [f64; 3]| {
+        let [x, y] = [cos * x - sin * y, sin * x + cos * y];
+        [x, cos * y - sin * z, sin * y + cos * z]
     };
-    // Samples start 0.6 below the plate: none is in it.
-    let (none, kept) = (inside("--margin 2"), inside("--margin 2 --conservative"));
-    assert!(kept > none + 49.0, "{none} and {kept}");
-    folder.done("voxelize plate.obj --spacing 0.3 --conservative -o kept.nrrd");
-    folder.done("extract kept.nrrd --iso 0 -o kept.ply");
+    let (places, triangles) = cuboid([1.0, 1.0, 0.01]);
+    ply(&folder, "plate.ply", &(places.into_iter().map(tilt).collect(), triangles));
+    let inside = |words: &str| {
+        folder.done(&format!("voxelize plate.ply --spacing 0.3 {words} -o a.nrrd"));
+        samples(&folder, "a.nrrd").1.into_iter().filter(|&value| value > 0.0).count()
+    };
+    let few = inside("--mode occupancy");
+    let kept = inside("--mode occupancy --conservative");
+    assert!(few < 10 && kept > 45, "{few} and {kept}"); // 45 cells are as large as one side of it
+    assert_eq!(inside("--conservative"), kept);
+    folder.done("extract a.nrrd --iso 0 -o kept.ply");
     let found = folder.topology("kept.ply");
     assert!(found.shortfalls().is_empty() && found.components.len() == 1, "{found:?}");
+    // Every point of the plate has its nearest sample inside.
+    let (grid, distances) = samples(&folder, "a.nrrd");
+    for n in 0..41 * 41 {
+        let [u, v] = [n % 41, n / 41].map(|at| f64::from(at) / 20.0 - 1.0);
+        let beside = |p: [f64; 3]| {
+            let from = tilt([u, v, 0.0]);
+            (0..3).all(|k| (p[k] - from[k]).abs() <= 0.15 + 1e-9)
+        };
+        let near = points(&grid).zip(&distances).find(|(p, _)| beside(*p));
+        assert!(near.is_some_and(|(_, &distance)| distance >= 0.0), "{u}, {v}: {near:?}");
+    }
 }
 
 /// The bytes that a process of its own writes.
 fn written(folder: &Folder, level: Level, threads: &str) -> Vec<u8> {
     let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_isokit"));
-    process.args(["voxelize", "a.obj", "--spacing", "0.05", "-o", "a.nrrd", "--threads", threads]);
+    process.args(["voxelize", "a.ply", "--spacing", "0.05", "-o", "a.nrrd", "--threads", threads]);
     let done = process.current_dir(folder.path("")).env("ISOKIT_SIMD", level.name()).output();
     let done = done.unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
@@ -228,7 +246,7 @@ fn written(folder: &Folder, level: Level, threads: &str) -> Vec<u8> {
 fn any_instructions_and_any_number_of_threads_write_the_same_bytes() {
     let folder = Folder::new();
     for mesh in [torus(1.0, 0.4, [40, 20]), broken()] {
-        obj(&folder, "a.obj", &mesh);
+        ply(&folder, "a.ply", &mesh);
         let plain = written(&folder, Level::Portable, "1");
         for &level in Level::available() {
             for threads in ["1", "2", "5"] {
@@ -245,7 +263,7 @@ fn words_that_do_not_fit_are_refused_before_anything_is_read() {
         ("none.ply --spacing 1 -o a.ply", "expected a name that ends in one of"),
         ("none.ply --spacing 0 -o a.nii", "expected one distance above 0"),
         ("none.ply --spacing nan -o a.nii", "expected one distance above 0"),
-        ("none.ply --spacing 1 --band 0 -o a.nii", "a band is wider than 0"),
+        ("none.ply --spacing 1 --band 0 -o a.nii", "expected a distance above 0"),
         ("none.ply --spacing 1 --band -1 -o a.nii", "--band"),
         ("none.ply --spacing 1 --band 1 --mode occupancy -o a.nii", "leave it out"),
         ("none.ply --spacing 1 --margin -1 -o a.nii", "--margin"),
@@ -260,7 +278,7 @@ fn words_that_do_not_fit_are_refused_before_anything_is_read() {
 #[test]
 fn what_cannot_be_is_said_with_its_place() {
     let folder = Folder::with_ball();
-    obj(&folder, "box.obj", &cuboid(HALF));
+    ply(&folder, "box.ply", &cuboid(HALF));
     fs::write(folder.path("empty.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
     let nan = f32::NAN.to_le_bytes();
     let mut stl = vec![0; 84];
@@ -274,14 +292,14 @@ fn what_cannot_be_is_said_with_its_place() {
         ("ball.nii --spacing 1", "this is a volume, and `voxelize` is for meshes"),
         ("empty.obj --spacing 1", "empty.obj"),
         ("nan.stl --spacing 1", "finite"),
-        ("box.obj --spacing 1e-5", "the volume needs"),
-        ("box.obj --spacing 1e-12", "are more than can be numbered"),
-        ("box.obj --spacing 1e-300", "are more than can be numbered"),
-        ("box.obj --spacing 1 --margin 4000000000", "are more than can be numbered"),
+        ("box.ply --spacing 1e-5", "the volume needs"),
+        ("box.ply --spacing 1e-12", "are more than can be numbered"),
+        ("box.ply --spacing 1e-300", "are more than can be numbered"),
+        ("box.ply --spacing 1 --margin 4000000000", "are more than can be numbered"),
     ] {
         let ran = folder.run(&format!("voxelize {words} -o a.nii"));
         assert!(ran.exit == Exit::Failed && ran.err.contains(says), "{words}: {}", ran.err);
-        assert!(ran.err.starts_with("error: "), "{}", ran.err);
+        assert!(ran.err.contains("error: "), "{}", ran.err);
         assert_eq!(folder.names(), names, "{words}");
     }
 }

@@ -93,16 +93,38 @@ pub trait ScalarField: Sync {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Sampled, ScalarField};
-    use isokit_geom::Aabb;
-    use isokit_volume::{Grid, Volume};
+    use super::{Jet, ScalarField, Slope};
+    use isokit_geom::{Aabb, Affine};
+
+    /// A field that says no more than it must.
+    struct Plain;
+
+    impl ScalarField for Plain {
+        fn dims(&self) -> [usize; 3] {
+            [5, 4, 3]
+        }
+
+        fn index_to_world(&self) -> Affine {
+            Affine::IDENTITY
+        }
+
+        fn value(&self, [x, y, z]: [f64; 3]) -> f64 {
+            x + 10.0 * y + 100.0 * z
+        }
+
+        fn slope(&self, ijk: [f64; 3]) -> Slope {
+            Slope { value: self.value(ijk), gradient: [1.0, 10.0, 100.0] }
+        }
+
+        fn jet(&self, ijk: [f64; 3]) -> Jet {
+            let Slope { value, gradient } = self.slope(ijk);
+            Jet { value, gradient, hessian: [[0.0; 3]; 3] }
+        }
+    }
 
     #[test]
     fn a_field_that_knows_no_better_is_asked_point_by_point_and_has_any_value() {
-        let samples = (0..60).map(|n: i32| (n * n % 17) as f32).collect();
-        let volume =
-            Volume::new(Grid::new([5, 4, 3], Default::default()).unwrap(), samples).unwrap();
-        let field = Sampled::new(volume.view());
+        let field = Plain;
         let all = Aabb { min: [0.0; 3], max: [4.0, 3.0, 2.0] };
         assert!(field.bounds(all).contains(f64::MAX) && field.within(all).is_none());
         let mut values = [f64::NAN; 2 * 3 * 2];
