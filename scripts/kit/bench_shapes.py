@@ -31,12 +31,12 @@ class Shape:
         request = {"op": "shape", "path": str(self.path), "samples": samples}
         return self.own.ask(request | {"how": how, "threads": threads})
 
-    def as_good(self, error: float, threads: int) -> int:
+    def as_good(self, error: float, how: str, threads: int) -> int:
         """The fewest samples along the longest side, nearly, whose mesh is no farther from the surface."""
         low, high = 16, 1024
         while high - low > max(1, low // 32):
             middle = math.isqrt(low * high)
-            if self.mesh(middle, "sparse", threads)["rms"] <= error:
+            if self.mesh(middle, how, threads)["rms"] <= error:
                 high = middle
             else:
                 low = middle + 1
@@ -78,26 +78,27 @@ def beside_fidget(own: Worker, folder: Path, rounds: int, n: int, threads: int) 
         request |= {"depth": n.bit_length() - 1, "threads": threads}
         peer.ask(request)
         theirs = own.ask({"op": "judge", "path": str(shape.path), "mesh": str(out)})
-        samples = shape.as_good(theirs["rms"], threads)
-        ours = shape.mesh(samples, "sparse", threads)
-        times = {
-            "isokit": lambda shape=shape, samples=samples: shape.mesh(samples, "sparse", threads)["seconds"],
-            "fidget": lambda request=request: peer.ask(request)["seconds"],
-        }
-        seconds = interleaved(rounds, times)
-        row = {
-            "what": f"{name}, as good as fidget's {n}³",
-            "error": ours["rms"],
-            "fidget's": theirs["rms"],
-            "samples along its longest side": samples,
-            "ms": 1e3 * seconds["isokit"],
-            "fidget, ms": 1e3 * seconds["fidget"],
-            "time": seconds["isokit"] / seconds["fidget"],
-            "triangles": ours["triangles"] / theirs["triangles"],
-            "must": MUST_FIDGET,
-            "open or non-manifold": ours["open"] + ours["nonmanifold"],
-            "fidget has": theirs["open"] + theirs["nonmanifold"],
-        }
-        rows.append(row)
+        for how, words in (("sparse", ""), ("creases", ", --creases 30")):
+            samples = shape.as_good(theirs["rms"], how, threads)
+            ours = shape.mesh(samples, how, threads)
+            times = {
+                "isokit": lambda shape=shape, samples=samples, how=how: shape.mesh(samples, how, threads)["seconds"],
+                "fidget": lambda request=request: peer.ask(request)["seconds"],
+            }
+            seconds = interleaved(rounds, times)
+            row = {
+                "what": f"{name}, as good as fidget's {n}³{words}",
+                "error": ours["rms"],
+                "fidget's": theirs["rms"],
+                "samples along its longest side": samples,
+                "ms": 1e3 * seconds["isokit"],
+                "fidget, ms": 1e3 * seconds["fidget"],
+                "time": seconds["isokit"] / seconds["fidget"],
+                "triangles": ours["triangles"] / theirs["triangles"],
+                "must": MUST_FIDGET,
+                "open or non-manifold": ours["open"] + ours["nonmanifold"],
+                "fidget has": theirs["open"] + theirs["nonmanifold"],
+            }
+            rows.append(row)
     peer.close()
     return rows

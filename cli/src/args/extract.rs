@@ -67,6 +67,11 @@ pub(crate) struct ExtractArgs {
     /// the enclosed volume to nearly nothing
     #[arg(long, help_heading = "Accuracy")]
     pub(crate) balance: bool,
+    /// Of a shape: put vertices where faces meet whose normals are more than so many degrees apart, so that edges stay
+    /// sharp; 30 is a good choice
+    #[arg(long, value_name = "DEGREES", value_parser = values::angle_of_creases, help_heading = "Accuracy")]
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) creases: Option<f64>,
     /// Part of the volume, in samples: x0:x1,y0:y1,z0:z1, upper ends not included; an end may be left
     /// out. What lies beyond is not looked at: near the part's border normals, and vertices that are not
     /// placed linearly, differ a little from those of the whole

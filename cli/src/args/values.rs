@@ -170,6 +170,12 @@ pub(crate) fn length(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a distance above 0, found {text:?}"))
 }
 
+/// An angle between faces.
+pub(crate) fn angle_of_creases(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| *number > 0.0 && *number < 180.0);
+    number.ok_or_else(|| format!("expected degrees above 0 and below 180, found {text:?}"))
+}
+
 /// How often triangles are divided.
 pub(crate) fn levels(text: &str) -> Result<u32, String> {
     let number = text.parse().ok().filter(|number| (1..=Subdivision::MOST).contains(number));

@@ -202,6 +202,10 @@ fn refined(
 /// Says what became of a surface after it was extracted, and what not.
 fn tell_refined(plan: &ExtractPlan, refined: &Refined, name: &str, session: &Session<'_, '_>) {
     let Refined { new_vertices, unprojected, balanced, unbalanced, .. } = *refined;
+    if plan.refine.creases.is_some() {
+        let vertices = counted(refined.creased, "vertex is", "vertices are");
+        session.console.detail(&format!("{name}: {vertices} new on creases"));
+    }
     if plan.refine.subdivision != Subdivision::None {
         let vertices = counted(new_vertices, "vertex is", "vertices are");
         let off = grouped(unprojected);

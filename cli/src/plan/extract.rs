@@ -88,6 +88,10 @@ impl ExtractPlan {
             let says = "mesh and report cannot both go to stdout: name a file for one of them";
             return Err(UsageError(says.into()).into());
         }
+        if args.creases.is_some() && shape.is_none() {
+            let says = "--creases: only a shape says where its faces meet; between samples nothing is sharp";
+            return Err(UsageError(says.into()).into());
+        }
         let refine = refine(&args);
         let placement = args.placement.unwrap_or(match refine.do_nothing() {
             true => PlacementArg::default(),
@@ -201,7 +205,6 @@ fn shape(args: &ExtractArgs) -> Result<[f64; 3], UsageError> {
         ("--max-memory", args.max_memory.is_some()),
         ("--dump-scene", args.dump_scene.is_some()),
         ("--repeat", args.repeat.is_some() || args.repeat_warm.is_some()),
-        ("--refine, --max-error and --balance", !refine(args).do_nothing()),
     ];
     if let Some((words, _)) = needs_volume.iter().find(|(_, is_asked)| *is_asked) {
         let says = format!("{words}: a shape has no volume for that; `isokit sample` makes one");
@@ -224,7 +227,8 @@ fn refine(args: &ExtractArgs) -> RefineOptions {
         (None, Some(error)) => Subdivision::MaxError(error),
         (None, None) => Subdivision::None,
     };
-    RefineOptions::default().with_subdivision(subdivision).with_balance(args.balance)
+    let options = RefineOptions::default().with_subdivision(subdivision).with_balance(args.balance);
+    args.creases.map_or(options, |degrees| options.with_creases(degrees))
 }
 
 /// What does not fit together with triangles that are changed.
@@ -232,7 +236,7 @@ fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), 
     match surface.extract.degenerate {
         Degenerate::Exact if !refine.do_nothing() => Err(UsageError(
             "--degenerate exact makes triangles without area, which can neither be divided nor \
-             balanced: leave out either it or --refine, --max-error and --balance"
+             balanced: leave out either it or --creases, --refine, --max-error and --balance"
                 .into(),
         )),
         _ => Ok(()),

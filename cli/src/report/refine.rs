@@ -6,6 +6,8 @@ use serde::Serialize;
 /// What `--refine`, `--max-error` and `--balance` did. Distances are in world units.
 #[derive(Debug, Serialize)]
 pub(crate) struct RefineReport {
+    /// New vertices on creases.
+    creased_vertices: u64,
     /// How often edges were divided.
     rounds: u32,
     new_vertices: u64,
@@ -31,6 +33,7 @@ impl RefineReport {
             _ => None,
         };
         let report = Self {
+            creased_vertices: refined.creased,
             rounds: refined.rounds,
             new_vertices: refined.new_vertices,
             unprojected_vertices: refined.unprojected,

@@ -2,7 +2,7 @@
 
 use crate::kit::Folder;
 use isokit_cli::Exit;
-use std::fs;
+use std::{f64::consts::PI, fs};
 
 const PART: &str = "
 unit = \"mm\"
@@ -34,6 +34,58 @@ fn the_surface_of_a_shape_is_that_of_its_volume() {
     }
     let found = folder.topology("shape.stl");
     assert_eq!(found.genus(), Some(1), "{found:?}");
+}
+
+#[test]
+fn creases_keep_edges_sharp() {
+    let folder = Folder::new();
+    let shape = "[shape]\ndifference = [{ box = { size = [40, 30, 12] } }, { cylinder = { radius = 8, height = 30 } }]\nrotate = { x = 20, z = 35 }\n";
+    fs::write(folder.path("part.toml"), shape).unwrap();
+    let volume = 12.0 * (40.0 * 30.0 - PI * 64.0);
+    let area = 2.0 * (40.0 * 30.0 - PI * 64.0) + 12.0 * (140.0 + 2.0 * PI * 8.0);
+    let errors = ["", "--creases 30", "--creases 30 --refine 1"].map(|words| {
+        let line = format!("extract part.toml --spacing 0.5 {words} --report r.json -o a.ply");
+        folder.done(&line);
+        let found = folder.topology("a.ply");
+        assert!(found.shortfalls().is_empty() && found.genus() == Some(1), "{words}: {found:?}");
+        let creased = &folder.json("r.json")["surfaces"][0]["refined"]["creased_vertices"];
+        assert_eq!(creased.as_u64().is_some_and(|n| n > 300), !words.is_empty(), "{creased}");
+        let measure = found.measure;
+        [(measure.volume / volume - 1.0).abs(), (measure.area / area - 1.0).abs()]
+    });
+    let [plain, creased, divided] = errors;
+    for n in [0, 1] {
+        assert!(creased[n] < 0.2 * plain[n] && creased[n] < 1e-3, "{errors:?}");
+        assert!(divided[n] < creased[n], "{errors:?}");
+    }
+}
+
+#[test]
+fn shapes_are_refined_on_their_own_field() {
+    let folder = Folder::new();
+    fs::write(folder.path("ball.toml"), "[shape]\nsphere = { radius = 10 }\n").unwrap();
+    let errors = ["", "--refine 1", "--max-error 0.005", "--balance"].map(|words| {
+        folder.done(&format!("extract ball.toml --spacing 1 {words} -o a.ply"));
+        let found = folder.topology("a.ply");
+        assert!(found.shortfalls().is_empty(), "{words}: {found:?}");
+        (found.measure.volume / (4.0 / 3.0 * PI * 1000.0) - 1.0).abs()
+    });
+    assert!(errors[1..].iter().all(|error| *error < 0.3 * errors[0]), "{errors:?}");
+}
+
+#[test]
+fn only_shapes_have_creases() {
+    let folder = Folder::with_ball();
+    fs::write(folder.path("ball.toml"), "[shape]\nsphere = { radius = 10 }\n").unwrap();
+    for (words, says) in [
+        ("ball.nii --iso 20 --creases 30", "only a shape says where its faces meet"),
+        ("ball.toml --spacing 1 --creases 0", "expected degrees above 0 and below 180"),
+        ("ball.toml --spacing 1 --creases -5", "expected degrees above 0 and below 180"),
+        ("ball.toml --spacing 1 --creases 30 --degenerate exact", "leave out either it or"),
+    ] {
+        let ran = folder.run(&format!("extract {words} -o a.ply"));
+        assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{words}: {}", ran.err);
+    }
 }
 
 #[test]
@@ -80,7 +132,6 @@ fn what_needs_a_volume_is_refused() {
         ("none.toml -o a.ply --spacing 1 --origin 1,2,3", "a shape needs --spacing"),
         ("none.toml -o a.ply --spacing 1 --iso auto", "expected a number"),
         ("none.toml -o a.ply --spacing 1 --roi 0:9,0:9,0:9", "--roi"),
-        ("none.toml -o a.ply --spacing 1 --balance", "--balance"),
         ("none.toml -o a.ply --spacing 1 --attribute a.nii", "--attribute"),
         ("none.toml -o a.ply --spacing 1 --max-memory 1GiB", "--max-memory"),
     ] {

@@ -10,7 +10,7 @@
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
 //! | or sample | [`sparse_meshes_into`] makes samples of a shape, or of another field, only near its surfaces |
 //! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
-//! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted |
+//! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted; [`refine_on`] does it by another field than samples, and on its creases |
 //! | colour | [`Scan::attribute`] gives each vertex the value of another scan there |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
@@ -36,6 +36,7 @@ mod values;
 pub use error::PipelineError;
 pub use index::Index;
 pub use iso::{IsoChoice, ParseIsoError};
+pub use refine::refine_on;
 pub use region::{ParseRegionError, Region, RegionError, Span};
 pub use remark::Remark;
 pub use scan::Scan;

@@ -90,7 +90,10 @@ pub(crate) fn build(
                 let normal = |edge: usize| {
                     let place = split.place(Corner::Edge(edge as u32), states);
                     let ends = edges.ends[edge].map(|vertex| old[vertex as usize]);
-                    normal(place, ends, ground)
+                    match split.is_along_creases() {
+                        true => between(ends),
+                        false => normal(place, ends, ground),
+                    }
                 };
                 cut.map(normal).collect::<Vec<_>>()
             })?;
@@ -101,7 +104,7 @@ pub(crate) fn build(
 }
 
 /// Some items, and more behind them.
-fn longer<T: Copy>(old: &[T], new: impl Iterator<Item = T>, count: usize) -> Vec<T> {
+pub(crate) fn longer<T: Copy>(old: &[T], new: impl Iterator<Item = T>, count: usize) -> Vec<T> {
     let mut all = Vec::with_capacity(count);
     all.extend_from_slice(old);
     all.extend(new);
@@ -116,6 +119,11 @@ fn normal(place: [f64; 3], ends: [[f32; 3]; 2], ground: &Ground<'_>) -> [f32; 3]
     if let Some(ascent) = ascent {
         return ascent.direction.map(|c| -c as f32);
     }
+    between(ends)
+}
+
+/// The normal between those of both ends of an edge.
+fn between(ends: [[f32; 3]; 2]) -> [f32; 3] {
     let sum: [f64; 3] = std::array::from_fn(|k| f64::from(ends[0][k]) + f64::from(ends[1][k]));
     let length = sum.iter().map(|c| c * c).sum::<f64>().sqrt();
     // Of two that look away from each other, neither is better.

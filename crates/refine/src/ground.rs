@@ -129,6 +129,11 @@ impl<'a> Ground<'a> {
         (0..3).all(|k| (1.0..=self.last[k] - 1.0).contains(&spot.ijk[k]))
     }
 
+    /// What no world vector is shorter than that is a sample long.
+    pub(crate) fn least_stretch(&self) -> f64 {
+        self.least_stretch
+    }
+
     /// Whether a way in the world is no longer than from one sample to the next.
     pub(crate) fn is_short(&self, way: f64) -> bool {
         way.abs() <= self.least_stretch
@@ -137,6 +142,14 @@ impl<'a> Ground<'a> {
     /// The field.
     pub(crate) fn field(&self) -> &'a dyn ScalarField {
         self.surface.field
+    }
+
+    /// The same, asked through another field that has the same values.
+    pub(crate) fn through<'b>(&self, field: &'b dyn ScalarField) -> Ground<'b>
+    where
+        'a: 'b,
+    {
+        Ground { surface: Isosurface { field, iso: self.surface.iso }, ..*self }
     }
 
     /// The value of the surface.

@@ -2,7 +2,7 @@
 //!
 //! Vertices of marching cubes lie on the surface of a field, and the triangles between them inside it where
 //! it bulges: a chord of length L leaves a surface of radius R by L²/8R. That error, O(h²), remains however
-//! well vertices are placed. Two ways lead out, and both may be gone:
+//! well vertices are placed, and where faces meet at an angle it is O(h). Three ways lead out, and all may be gone:
 //!
 //! - [`Subdivision`] puts new vertices on edges, and those on the field: every level divides the error by
 //!   four and multiplies the triangles by as much, or an error is named and only what curves is divided.
@@ -10,7 +10,9 @@
 //!   cut through the surface in place of staying within. No triangle is added; the volume inside is right
 //!   to a higher order, and the error of the surface is the least that these triangles can have.
 //!
-//! Neither changes what is connected: closed stays closed, manifold stays manifold. A triangle that would
+//! - *Creases* of fields that have some, such as those of solids with edges, get vertices: no triangle cuts them off.
+//!
+//! None changes what is connected: closed stays closed, manifold stays manifold. A triangle that would
 //! become flat or turn over, in the precision in which positions are kept, is not made: its vertices stay
 //! where they were, and are counted.
 //!
@@ -18,6 +20,7 @@
 
 mod balance;
 mod build;
+mod crease;
 mod edges;
 mod error;
 mod exact;

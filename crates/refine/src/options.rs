@@ -23,6 +23,9 @@ impl Subdivision {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RefineOptions {
+    /// Creases get vertices, before all else: where faces meet whose normals are more than so many degrees apart; above 0,
+    /// below 180. Only a field with creases has them: one between samples has none. Default: nothing is done about them.
+    pub creases: Option<f64>,
     /// Where new vertices go. Default: [`Subdivision::None`].
     pub subdivision: Subdivision,
     /// Whether vertices, old and new, are moved along their normals in the end, so that triangles lie as much
@@ -32,7 +35,13 @@ pub struct RefineOptions {
 
 impl RefineOptions {
     /// The defaults named above: nothing is done.
-    pub const DEFAULT: Self = Self { subdivision: Subdivision::None, balance: false };
+    pub const DEFAULT: Self =
+        Self { creases: None, subdivision: Subdivision::None, balance: false };
+
+    /// The same options with vertices on creases sharper than so many degrees.
+    pub const fn with_creases(self, degrees: f64) -> Self {
+        Self { creases: Some(degrees), ..self }
+    }
 
     /// The same options with another `subdivision`.
     pub const fn with_subdivision(self, subdivision: Subdivision) -> Self {

@@ -4,6 +4,7 @@ use crate::{
     Isosurface, RefineError, RefineOptions, Subdivision,
     balance::balance,
     build::build,
+    crease::crease,
     edges::{Edges, NEW},
     exact::in_chunks,
     ground::Ground,
@@ -19,6 +20,8 @@ use isokit_mesh::TriMesh;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Refined {
+    /// Vertices that are new on creases, and where they meet.
+    pub creased: u64,
     /// How often edges were divided.
     pub rounds: u32,
     /// Vertices that are new.
@@ -79,6 +82,9 @@ fn refined(
     if mesh.triangles.is_empty() {
         return Ok(refined);
     }
+    if let Some(degrees) = options.creases {
+        refined.creased = crease(mesh, &ground, degrees.to_radians(), job)?;
+    }
     match options.subdivision {
         Subdivision::None => {}
         Subdivision::Levels(levels) => {
@@ -105,6 +111,9 @@ fn check(
 ) -> Result<(), RefineError> {
     if !surface.iso.is_finite() {
         return Err(RefineError::Options("the surface of a value that is no finite number"));
+    }
+    if options.creases.is_some_and(|degrees| !(degrees > 0.0 && degrees < 180.0)) {
+        return Err(RefineError::Options("creases of an angle that is not above 0 and below 180"));
     }
     match options.subdivision {
         Subdivision::Levels(levels) if !(1..=Subdivision::MOST).contains(&levels) => {

@@ -36,10 +36,26 @@ impl Corner {
     }
 }
 
+/// Whether an edge is to be cut.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Cut {
+    /// No.
+    Not,
+    /// In its middle.
+    Middle,
+    /// And the new vertex is to lie there, rounded as the mesh keeps it.
+    At(Vector),
+}
+
+/// Which way the surface looks at a vertex, if that is known.
+pub(crate) type Outward<'a> = &'a (dyn Fn(u32) -> Option<Vector> + Sync);
+
 /// Edges of a mesh that are to be cut.
 pub(crate) struct Split<'a> {
     mesh: &'a TriMesh,
     edges: &'a Edges,
+    /// Which way new triangles are to look, each as its first old corner does; else as the triangle that was there.
+    outward: Option<Outward<'a>>,
     /// What becomes of each edge.
     pub(crate) states: Vec<u8>,
     /// Where the surface is, for each edge that is to be cut there.
@@ -54,21 +70,36 @@ impl<'a> Split<'a> {
         chosen: impl Fn(usize) -> bool + Sync,
         job: &Job,
     ) -> Result<Self, RefineError> {
+        let cut = |edge: usize| match chosen(edge) {
+            false => Cut::Not,
+            true => on_surface(mesh, edges.ends[edge], ground).map_or(Cut::Middle, Cut::At),
+        };
+        Self::cut((mesh, edges), cut, None, job)
+    }
+
+    /// Cuts edges as `cut` says of each, as far as no triangle becomes flat, or looks away from where the surface looks.
+    pub(crate) fn cut(
+        (mesh, edges): (&'a TriMesh, &'a Edges),
+        cut: impl Fn(usize) -> Cut + Sync,
+        outward: Option<Outward<'a>>,
+        job: &Job,
+    ) -> Result<Self, RefineError> {
         const WHAT: &str = "the new vertices of the surface";
         let count = edges.len() as u64;
         job.limits.probe(WHAT, Some(count), 2 * size_of::<(u8, Vector)>())?;
         job.progress.begin("refine", count);
         // Where few are cut, most of the memory is never written.
         let (mut states, mut moved) = (vec![WHOLE; edges.len()], vec![[0.0; 3]; edges.len()]);
+        // Beside a crease a middle is no help: an edge is cut on it, or stays whole.
+        let given = if outward.is_some() { HALVED } else { MOVED };
         let fill = |(n, (states, moved)): (usize, (&mut [u8], &mut [Vector]))| {
             job.check()?;
             exactly(|| {
                 for (edge, (state, moved)) in (n * CHUNK..).zip(states.iter_mut().zip(moved)) {
-                    if chosen(edge) {
-                        *state = HALVED;
-                        if let Some(place) = on_surface(mesh, edges.ends[edge], ground) {
-                            (*state, *moved) = (MOVED, place);
-                        }
+                    match cut(edge) {
+                        Cut::Not => {}
+                        Cut::Middle => *state = HALVED,
+                        Cut::At(place) => (*state, *moved) = (given, place),
                     }
                 }
             });
@@ -79,7 +110,7 @@ impl<'a> Split<'a> {
             let chunks = states.par_chunks_mut(CHUNK).zip(moved.par_chunks_mut(CHUNK));
             chunks.enumerate().try_for_each(fill)
         })?;
-        let split = Self { mesh, edges, states: vec![], moved };
+        let split = Self { mesh, edges, outward, states: vec![], moved };
         settle(&mut states, &edges.sides, |t, states| split.spoils(t, states), job)?;
         Ok(Self { states, ..split })
     }
@@ -130,11 +161,21 @@ impl<'a> Split<'a> {
     pub(crate) fn place(&self, corner: Corner, states: &[u8]) -> Vector {
         match corner {
             Corner::Vertex(vertex) => self.mesh.positions.get(vertex as usize),
-            Corner::Edge(edge) if states[edge as usize] == MOVED => self.moved[edge as usize],
-            Corner::Edge(edge) => {
-                rounded(middle(self.mesh, self.edges.ends[edge as usize]), self.mesh)
+            Corner::Edge(edge) if states[edge as usize] == MOVED || self.is_along_creases() => {
+                self.moved[edge as usize]
             }
+            Corner::Edge(edge) => self.rounded(middle(self.mesh, self.edges.ends[edge as usize])),
         }
+    }
+
+    /// The place as the mesh keeps it.
+    pub(crate) fn rounded(&self, place: Vector) -> Vector {
+        rounded(place, self.mesh)
+    }
+
+    /// Whether the surface is known to look different ways on both sides of new vertices.
+    pub(crate) fn is_along_creases(&self) -> bool {
+        self.outward.is_some()
     }
 
     /// Whether a triangle that comes of triangle `t` is flat, or looks away from where that looks.
@@ -145,8 +186,12 @@ impl<'a> Split<'a> {
         let before = normal(self.mesh.corners(self.mesh.triangles[t]));
         let (children, count) = self.children(t, states);
         children[..count].iter().any(|child| {
+            let old = child.iter().find_map(|corner| match corner {
+                Corner::Vertex(vertex) => self.outward?(*vertex),
+                Corner::Edge(_) => None,
+            });
             let corners = child.map(|corner| self.place(corner, states));
-            is_spoiled(corners, before)
+            is_spoiled(corners, old.unwrap_or(before))
         })
     }
 }

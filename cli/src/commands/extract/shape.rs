@@ -1,6 +1,8 @@
 //! `extract` of a shape: from a file that describes it to a mesh, with samples only near its surface.
 
-use super::{color::pattern, report, surfaces, tell_counts, tell_singular, tell_written, write};
+use super::{
+    color::pattern, report, surfaces, tell_counts, tell_refined, tell_singular, tell_written, write,
+};
 use crate::{
     Session,
     plan::{ExtractPlan, LevelPlan},
@@ -10,8 +12,12 @@ use crate::{
 };
 use anyhow::Result;
 use isokit::{
-    field::FieldSamples, io::MeshContext, marching_cubes::Skipped, mesh::TriMesh,
-    pipeline::sparse_meshes_into, refine::Refined,
+    field::FieldSamples,
+    io::MeshContext,
+    marching_cubes::Skipped,
+    mesh::{Surface, TriMesh},
+    pipeline::{refine_on, sparse_meshes_into},
+    refine::Isosurface,
 };
 use std::time::Instant;
 
@@ -29,12 +35,21 @@ pub(super) fn extract(
     let isos: Vec<f64> = plan.levels.iter().filter_map(LevelPlan::value).collect();
     let mut meshes = vec![TriMesh::default(); isos.len()];
     let extracted = timed(&mut timings.extract, || {
-        sparse_meshes_into(&samples, &isos, &plan.surface, &mut meshes, &session.job)
+        let options = plan.surface.before(&plan.refine);
+        sparse_meshes_into(&samples, &isos, &options, &mut meshes, &session.job)
     })?;
     let mut surfaces = surfaces(&plan.levels, &isos, meshes);
+    let mut refine = |surface: &mut Surface| {
+        let isosurface = Isosurface { field: &placed, iso: surface.iso.unwrap_or(f64::NAN) };
+        refine_on(&isosurface, &mut surface.mesh, (&plan.refine, &plan.surface), &session.job)
+    };
+    let refined = timed(&mut timings.mend, || {
+        surfaces.iter_mut().map(&mut refine).collect::<Result<Vec<_>, _>>()
+    })?;
     let colors = (!plan.color.is_empty()).then(|| pattern(&plan.color, &mut surfaces));
-    for (surface, extracted) in surfaces.iter().zip(&extracted) {
+    for ((surface, extracted), refined) in surfaces.iter().zip(&extracted).zip(&refined) {
         tell_counts(surface, session);
+        tell_refined(plan, refined, &surface.name, session);
         let Skipped { bricks, bricks_skipped, samples_read } = extracted.skipped;
         let ([nx, ny, nz], skipped) = (grid.dims(), grouped(bricks_skipped));
         let (bricks, made) = (counted(bricks, "brick", "bricks"), grouped(samples_read));
@@ -52,7 +67,7 @@ pub(super) fn extract(
     if plan.report.is_none() && !session.console.is_verbose() {
         return Ok(String::new());
     }
-    let found: Vec<_> = extracted.into_iter().map(|one| (one, Refined::default())).collect();
+    let found: Vec<_> = extracted.into_iter().zip(refined).collect();
     let input = VolumeFacts::of_shape(&plan.input, &grid);
     report(plan, input, &surfaces, &written, (&found, colors, timings), session)
 }

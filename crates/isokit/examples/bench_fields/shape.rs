@@ -11,6 +11,7 @@ use isokit::{
     job::Job,
     marching_cubes::{Budget, ExtractOptions, Extracted, Slabs, extract_slabs, extract_sparse},
     mesh::{TriMesh, topology},
+    refine::{Isosurface, RefineOptions, refine},
     solid::{Model, Placed, Solid},
     volume::Grid,
 };
@@ -28,6 +29,8 @@ use std::{
 pub(super) enum How {
     /// With samples near the surface.
     Sparse,
+    /// The same, and with vertices on its creases.
+    Creases,
     /// With all samples, of which those in a brick cost what the brick's part of the shape costs.
     Bricks,
     /// With all samples, each made of the whole shape.
@@ -46,6 +49,9 @@ pub(super) struct Judged {
     open: u64,
     nonmanifold: u64,
 }
+
+/// Degrees between faces that meet in a crease.
+const CREASES: f64 = 30.0;
 
 /// Triangles that are looked at; of more, one in so many.
 const LOOKED_AT: usize = 200_000;
@@ -111,9 +117,14 @@ pub(super) fn mesh(
     let options = &ExtractOptions::DEFAULT;
     let mut mesh = TriMesh::with_normals();
     let (seconds, told) = timed(|| -> Result<Extracted, Failure> {
-        if let How::Sparse = how {
+        if let How::Sparse | How::Creases = how {
             let source = FieldSamples::<f32>::new(&placed, grid.frame)?;
-            return Ok(extract_sparse(&source, 0.0, options, &mut mesh.refill(), job)?);
+            let told = extract_sparse(&source, 0.0, options, &mut mesh.refill(), job)?;
+            if let How::Creases = how {
+                let surface = Isosurface { field: &placed, iso: 0.0 };
+                refine(&mut mesh, &surface, &RefineOptions::DEFAULT.with_creases(CREASES), job)?;
+            }
+            return Ok(told);
         }
         let field: &dyn ScalarField = if let How::Dense = how { &whole } else { &placed };
         let source = &mut FieldSlices::new(FieldSamples::<f32>::new(field, grid.frame)?, job);

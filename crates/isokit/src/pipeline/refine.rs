@@ -1,4 +1,4 @@
-//! Brings a mesh of a scan nearer to the scan's field.
+//! Brings a mesh nearer to the field that it was extracted from.
 
 use crate::pipeline::{Normals, PipelineError, Scan, SurfaceOptions};
 use isokit_field::Sampled;
@@ -29,26 +29,41 @@ impl Scan {
         options: (&RefineOptions, &SurfaceOptions),
         job: &Job,
     ) -> Result<Refined, PipelineError> {
-        let (options, surface) = options;
-        if options.do_nothing() {
-            return Ok(Refined::default());
-        }
-        if surface.extract.degenerate == Degenerate::Exact {
-            let says = "a surface whose triangles may have no area: Degenerate::Exact made it";
-            return Err(RefineError::Options(says).into());
-        }
-        if surface.normals == Normals::Area && !options.balance {
-            mesh.normals = None; // new ones are made in any case
-        }
-        let refined = for_any!(self.volume(), volume => {
+        for_any!(self.volume(), volume => {
             let field = Sampled::new(self.view(volume));
-            refine(mesh, &Isosurface { field: &field, iso }, options, job)
-        })?;
-        match surface.normals {
-            Normals::Gradient => {}
-            Normals::Area => area_normals(mesh, job)?,
-            Normals::None => mesh.normals = None,
-        }
-        Ok(refined)
+            refine_on(&Isosurface { field: &field, iso }, mesh, options, job)
+        })
     }
+}
+
+/// Brings a surface that was made with [`surface.before(options)`](SurfaceOptions::before) nearer to a field that knows more
+/// than its samples, such as that of a shape: as [`Scan::refine`], and with vertices on creases, which only such a field has.
+///
+/// # Errors
+///
+/// As of [`Scan::refine`].
+pub fn refine_on(
+    isosurface: &Isosurface<'_>,
+    mesh: &mut TriMesh,
+    options: (&RefineOptions, &SurfaceOptions),
+    job: &Job,
+) -> Result<Refined, PipelineError> {
+    let (options, surface) = options;
+    if options.do_nothing() {
+        return Ok(Refined::default());
+    }
+    if surface.extract.degenerate == Degenerate::Exact {
+        let says = "a surface whose triangles may have no area: Degenerate::Exact made it";
+        return Err(RefineError::Options(says).into());
+    }
+    if surface.normals == Normals::Area && !options.balance {
+        mesh.normals = None; // new ones are made in any case
+    }
+    let refined = refine(mesh, isosurface, options, job)?;
+    match surface.normals {
+        Normals::Gradient => {}
+        Normals::Area => area_normals(mesh, job)?,
+        Normals::None => mesh.normals = None,
+    }
+    Ok(refined)
 }
