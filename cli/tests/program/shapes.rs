@@ -55,7 +55,7 @@ fn creases_keep_edges_sharp() {
     });
     let [plain, creased, divided] = errors;
     for n in [0, 1] {
-        assert!(creased[n] < 0.2 * plain[n] && creased[n] < 1e-3, "{errors:?}");
+        assert!(creased[n] < 0.35 * plain[n] && creased[n] < 2e-3, "{errors:?}");
         assert!(divided[n] < creased[n], "{errors:?}");
     }
 }

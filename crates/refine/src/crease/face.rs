@@ -94,12 +94,10 @@ fn on_both([a, b]: [Vector; 2], [p, q]: [Face; 2]) -> Option<Vector> {
         (along, length(std::array::from_fn(|k| way[k] - along * line[k])))
     });
     let long = length(sub(b, a));
-    if !(from_a.min(from_b) > ON_CREASE * long) {
-        return None;
-    }
+    let is_between = from_a.min(from_b) > ON_CREASE * long; // not if a place is NaN
     let along = along_a + (along_b - along_a) * (from_a / (from_a + from_b));
     let place: Vector = std::array::from_fn(|k| base[k] + along * line[k]);
-    (length(sub(place, middle)) <= long).then_some(place)
+    (is_between && length(sub(place, middle)) <= long).then_some(place)
 }
 
 /// Where three faces meet, no farther than `reach` from a place.
@@ -109,10 +107,8 @@ pub(crate) fn meeting_point(
     reach: f64,
     ground: &Ground<'_>,
 ) -> Option<Vector> {
-    let mut place = on_all(faces, from)?;
-    if !(length(sub(place, from)) <= reach) {
-        return None;
-    }
+    let is_near = |place: &Vector| length(sub(*place, from)) <= reach;
+    let mut place = on_all(faces, from).filter(is_near)?;
     for round in 1..=ROUNDS {
         let share = NEARER.powi(round as i32);
         let nearer = faces.map(|face| {
@@ -122,8 +118,7 @@ pub(crate) fn meeting_point(
         let [Some(p), Some(q), Some(r)] = nearer else { return None };
         place = on_all([p, q, r], place)?;
     }
-    let is_near = length(sub(place, from)) <= reach;
-    (is_near && is_on_surface(place, OFF * reach, ground)).then_some(place)
+    (is_near(&place) && is_on_surface(place, OFF * reach, ground)).then_some(place)
 }
 
 /// The point of three planes.
