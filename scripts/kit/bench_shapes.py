@@ -15,6 +15,7 @@ FIDGET = PROJECT / "target/fidget/release/isokit-bench-fidget"
 SHAPES = ("bracket", "gear", "creature")
 MUST_SPARSE, MUST_FIDGET = 20.0, 1.5
 """Times less than all samples take; times what fidget takes, in time and in triangles."""
+WAYS = {"sparse": "", "creases": " --creases 30", "balanced": " --creases 30 --balance"}
 
 
 class Shape:
@@ -78,7 +79,7 @@ def beside_fidget(own: Worker, folder: Path, rounds: int, n: int, threads: int) 
         request |= {"depth": n.bit_length() - 1, "threads": threads}
         peer.ask(request)
         theirs = own.ask({"op": "judge", "path": str(shape.path), "mesh": str(out)})
-        for how, words in (("sparse", ""), ("creases", ", --creases 30")):
+        for how, words in WAYS.items():
             samples = shape.as_good(theirs["rms"], how, threads)
             ours = shape.mesh(samples, how, threads)
             times = {
@@ -87,7 +88,7 @@ def beside_fidget(own: Worker, folder: Path, rounds: int, n: int, threads: int) 
             }
             seconds = interleaved(rounds, times)
             row = {
-                "what": f"{name}, as good as fidget's {n}³{words}",
+                "what": f"{name}, as good as fidget's {n}³: isokit extract{words}",
                 "error": ours["rms"],
                 "fidget's": theirs["rms"],
                 "samples along its longest side": samples,

@@ -31,6 +31,8 @@ pub(super) enum How {
     Sparse,
     /// The same, and with vertices on its creases.
     Creases,
+    /// The same, and balanced.
+    Balanced,
     /// With all samples, of which those in a brick cost what the brick's part of the shape costs.
     Bricks,
     /// With all samples, each made of the whole shape.
@@ -117,12 +119,14 @@ pub(super) fn mesh(
     let options = &ExtractOptions::DEFAULT;
     let mut mesh = TriMesh::with_normals();
     let (seconds, told) = timed(|| -> Result<Extracted, Failure> {
-        if let How::Sparse | How::Creases = how {
+        if let How::Sparse | How::Creases | How::Balanced = how {
             let source = FieldSamples::<f32>::new(&placed, grid.frame)?;
             let told = extract_sparse(&source, 0.0, options, &mut mesh.refill(), job)?;
-            if let How::Creases = how {
+            if let How::Creases | How::Balanced = how {
                 let surface = Isosurface { field: &placed, iso: 0.0 };
-                refine(&mut mesh, &surface, &RefineOptions::DEFAULT.with_creases(CREASES), job)?;
+                let options = RefineOptions::DEFAULT.with_creases(CREASES);
+                let options = options.with_balance(matches!(how, How::Balanced));
+                refine(&mut mesh, &surface, &options, job)?;
             }
             return Ok(told);
         }
