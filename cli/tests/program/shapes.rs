@@ -54,10 +54,11 @@ fn creases_keep_edges_sharp() {
         [(measure.volume / volume - 1.0).abs(), (measure.area / area - 1.0).abs()]
     });
     let [plain, creased, divided] = errors;
+    // What is left of the volume are the chords of the hole, and a division leaves a quarter of those.
     for n in [0, 1] {
-        assert!(creased[n] < 0.35 * plain[n] && creased[n] < 2e-3, "{errors:?}");
-        assert!(divided[n] < creased[n], "{errors:?}");
+        assert!(creased[n] < 0.1 * plain[n] && creased[n] < 2e-4, "{errors:?}");
     }
+    assert!(divided[0] < 0.3 * creased[0], "{errors:?}");
 }
 
 #[test]

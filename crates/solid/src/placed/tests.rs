@@ -1,7 +1,8 @@
 //! Solids on lattices keep the laws of fields.
 
 use crate::{Model, PeriodicSurface, Shape};
-use isokit_field::conformance::check;
+use isokit_field::{ScalarField, conformance::check};
+use isokit_volume::Grid;
 use std::{fs, path::Path};
 
 /// On a lattice of about so many samples along its longest side.
@@ -60,4 +61,22 @@ fn the_shapes_of_the_fixtures_conform() {
         count += 1;
     }
     assert_eq!(count, 5);
+}
+
+#[test]
+fn on_the_faces_of_a_box_the_slope_is_that_of_the_face() {
+    let solid =
+        Model::from(Shape::Box { size: [4.0, 6.0, 8.0], round: 0.0 }).build().expect("a shape");
+    let placed = solid.placed(&Grid::new([1; 3], Default::default()).expect("a lattice"));
+    for n in 0..49 {
+        let [u, v] = [n % 7, n / 7].map(|c| f64::from(c) / 4.0 - 0.75);
+        for (place, slope) in [
+            ([2.0, u, v], [-1.0, 0.0, 0.0]),
+            ([u, -3.0, v], [0.0, 1.0, 0.0]),
+            ([u, v, 4.0], [0.0, 0.0, -1.0]),
+        ] {
+            let found = placed.slope(place);
+            assert_eq!((found.value, found.gradient), (0.0, slope), "{place:?}");
+        }
+    }
 }

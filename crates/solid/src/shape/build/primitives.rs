@@ -158,7 +158,9 @@ impl Build<'_> {
         for &step in &over[1..] {
             most = self.builder.binary(Binary::Max, most, step)?;
         }
-        let inside = self.builder.with(Binary::Min, most, 0.0)?;
+        // Of two that are equal the second has its slope in the sum: on a face it is that of the face.
+        let zero = self.builder.constant(0.0)?;
+        let inside = self.builder.binary(Binary::Min, zero, most)?;
         let distance = self.builder.binary(Binary::Add, outside, inside)?;
         self.less(round, distance)
     }
