@@ -64,19 +64,29 @@ fn the_shapes_of_the_fixtures_conform() {
 }
 
 #[test]
-fn on_the_faces_of_a_box_the_slope_is_that_of_the_face() {
-    let solid =
-        Model::from(Shape::Box { size: [4.0, 6.0, 8.0], round: 0.0 }).build().expect("a shape");
-    let placed = solid.placed(&Grid::new([1; 3], Default::default()).expect("a lattice"));
+fn on_a_flat_face_the_slope_is_that_of_the_face() {
+    let block = Shape::Box { size: [4.0, 6.0, 8.0], round: 0.0 };
+    let cylinder = Shape::Cylinder { radius: 2.0, height: 8.0, round: 0.0 };
+    let cone = Shape::Cone { radius: 4.0, top: 2.0, height: 8.0 };
+    let top = |u, v| ([u, v, 4.0], [0.0, 0.0, -1.0]);
+    let slant = 68_f64.sqrt();
     for n in 0..49 {
         let [u, v] = [n % 7, n / 7].map(|c| f64::from(c) / 4.0 - 0.75);
-        for (place, slope) in [
-            ([2.0, u, v], [-1.0, 0.0, 0.0]),
-            ([u, -3.0, v], [0.0, 1.0, 0.0]),
-            ([u, v, 4.0], [0.0, 0.0, -1.0]),
+        for (shape, (place, slope)) in [
+            (&block, ([2.0, u, v], [-1.0, 0.0, 0.0])),
+            (&block, ([u, -3.0, v], [0.0, 1.0, 0.0])),
+            (&block, top(u, v)),
+            (&cylinder, top(u, v)),
+            (&cylinder, ([0.0, 2.0, v], [0.0, -1.0, 0.0])),
+            (&cone, top(u, v)),
+            (&cone, ([3.0 - v / 4.0, 0.0, v], [-8.0 / slant, 0.0, -2.0 / slant])),
         ] {
+            let solid = Model::from(shape.clone()).build().expect("a shape");
+            let placed = solid.placed(&Grid::new([1; 3], Default::default()).expect("a lattice"));
             let found = placed.slope(place);
-            assert_eq!((found.value, found.gradient), (0.0, slope), "{place:?}");
+            let apart = [0, 1, 2].map(|k| found.gradient[k] - slope[k]);
+            let most = apart.iter().fold(found.value.abs(), |most, c| most.max(c.abs()));
+            assert!(most < 1e-14, "{shape:?}, {place:?}: {found:?}");
         }
     }
 }

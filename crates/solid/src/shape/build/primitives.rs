@@ -176,12 +176,13 @@ impl Build<'_> {
         // From the lower rim.
         let r = builder.with(Binary::Sub, across, low)?;
         let h = builder.with(Binary::Add, z, half)?;
-        let way = builder.affine(&[(along_r, r), (along_z, h)], 0.0)?;
-        let way = builder.with(Binary::Max, way, 0.0)?;
-        let way = builder.with(Binary::Min, way, slant)?;
-        let by_r = builder.affine(&[(1.0, r), (-along_r, way)], 0.0)?;
-        let by_h = builder.affine(&[(1.0, h), (-along_z, way)], 0.0)?;
-        let mut nearest = builder.length(&[by_r, by_h])?;
+        // Along the slant and over it: within its ends nothing but the latter counts, and has a slope down to the surface.
+        let along = builder.affine(&[(along_r, r), (along_z, h)], 0.0)?;
+        let within = builder.with(Binary::Max, along, 0.0)?;
+        let within = builder.with(Binary::Min, within, slant)?;
+        let beyond = builder.binary(Binary::Sub, along, within)?;
+        let over_slant = builder.affine(&[(along_z, r), (-along_r, h)], 0.0)?;
+        let mut nearest = builder.length(&[over_slant, beyond])?;
         for (radius, end) in [(low, -half), (top, half)] {
             let beyond = builder.with(Binary::Sub, across, radius)?;
             let beyond = builder.with(Binary::Max, beyond, 0.0)?;
@@ -189,12 +190,13 @@ impl Build<'_> {
             let distance = builder.length(&[beyond, off])?;
             nearest = builder.binary(Binary::Min, nearest, distance)?;
         }
-        let over_slant = builder.affine(&[(along_z, r), (-along_r, h)], 0.0)?;
         let over_ends = builder.unary(Unary::Abs, z)?;
         let over_ends = builder.with(Binary::Sub, over_ends, half)?;
         let over = builder.binary(Binary::Max, over_slant, over_ends)?;
-        let inside = builder.unary(Unary::Neg, over)?;
-        builder.binary(Binary::Signed, nearest, inside)
+        let out = builder.binary(Binary::Signed, nearest, over)?;
+        // Inside both are the same; on the surface the second has a slope.
+        let out = builder.binary(Binary::Max, out, over)?;
+        builder.unary(Unary::Neg, out)
     }
 
     /// The sum, divided by its greatest slope.
