@@ -4,7 +4,7 @@ use crate::{Exit, Session, fault::CallerError, plan::VoxelizePlan, text::counted
 use anyhow::Result;
 use isokit::{
     io::{detect, read_mesh, write_volume},
-    mesh::{Positions, TriMesh},
+    mesh::TriMesh,
     solid::{Flaws, MeshSolid, SolidOptions, grid_around, voxelize},
 };
 
@@ -22,7 +22,12 @@ fn voxels(plan: &VoxelizePlan, session: &Session<'_, '_>) -> Result<()> {
     }
     let input = read_mesh(path, job)?;
     input.notes.iter().for_each(|note| session.console.note(note));
-    let whole = joined(input.surfaces.iter().map(|surface| &surface.mesh));
+    // All surfaces of a file enclose one solid.
+    let whole = TriMesh::joined(input.surfaces.iter().map(|surface| &surface.mesh));
+    let whole = whole.ok_or_else(|| CallerError {
+        message: format!("{}: all surfaces together have 2^32 vertices or more", path.display()),
+        advice: "write its surfaces to files of their own",
+    })?;
     let failed = |why: &dyn std::fmt::Display, advice| CallerError {
         message: format!("{}: {why}", path.display()),
         advice,
@@ -46,17 +51,6 @@ fn voxels(plan: &VoxelizePlan, session: &Session<'_, '_>) -> Result<()> {
         .console
         .info(&format!("wrote {}: {nx} x {ny} x {nz} of {dtype}", plan.output.display()));
     Ok(())
-}
-
-/// All surfaces of a file enclose one solid.
-fn joined<'a>(meshes: impl Iterator<Item = &'a TriMesh>) -> TriMesh {
-    let (mut positions, mut triangles) = (vec![], vec![]);
-    for mesh in meshes {
-        let base = positions.len() as u32;
-        positions.extend(mesh.positions.iter());
-        triangles.extend(mesh.triangles.iter().map(|t| t.map(|vertex| vertex + base)));
-    }
-    TriMesh { positions: Positions::F64(positions), triangles, ..TriMesh::default() }
 }
 
 /// What is wrong with the mesh, and how inside is decided.

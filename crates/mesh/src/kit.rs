@@ -31,17 +31,6 @@ pub(crate) fn moved(mesh: &TriMesh, by: impl Fn(f64) -> f64) -> TriMesh {
     mesh
 }
 
-/// Several meshes as one.
-pub(crate) fn joined(meshes: &[TriMesh]) -> TriMesh {
-    let mut all = mesh(&[], &[]);
-    for one in meshes {
-        let base = all.positions.len() as u32;
-        positions(&mut all).extend(one.positions.iter());
-        all.triangles.extend(one.triangles.iter().map(|triangle| triangle.map(|v| v + base)));
-    }
-    all
-}
-
 /// Four triangles around a corner of the unit cube.
 pub(crate) fn tetrahedron() -> TriMesh {
     mesh(

@@ -101,6 +101,19 @@ impl TriMesh {
         Aabb::around(self.positions.iter())
     }
 
+    /// All triangles of several meshes, with their vertices in f64 one mesh after the other; without normals, values and
+    /// colours. None if 32 bits cannot number the vertices.
+    pub fn joined<'a>(meshes: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
+        let (mut positions, mut triangles) = (vec![], vec![]);
+        for mesh in meshes {
+            let base = u32::try_from(positions.len()).ok()?;
+            base.checked_add(u32::try_from(mesh.positions.len()).ok()?)?;
+            positions.extend(mesh.positions.iter());
+            triangles.extend(mesh.triangles.iter().map(|t| t.map(|vertex| base + vertex)));
+        }
+        Some(Self { positions: Positions::F64(positions), triangles, ..Self::default() })
+    }
+
     /// The corners of a triangle.
     ///
     /// # Panics

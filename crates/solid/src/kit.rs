@@ -44,17 +44,6 @@ pub(crate) fn ball(n: u32) -> TriMesh {
     mesh(&places, &triangles)
 }
 
-/// Several meshes as one.
-pub(crate) fn joined(meshes: &[TriMesh]) -> TriMesh {
-    let (mut positions, mut triangles) = (vec![], vec![]);
-    for one in meshes {
-        let base = positions.len() as u32;
-        positions.extend(one.positions.iter());
-        triangles.extend(one.triangles.iter().map(|t| t.map(|v| v + base)));
-    }
-    mesh(&positions, &triangles)
-}
-
 /// The same mesh with each vertex elsewhere.
 pub(crate) fn moved(all: &TriMesh, by: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
     mesh(&all.positions.iter().map(by).collect::<Vec<_>>(), &all.triangles)

@@ -5,7 +5,7 @@ mod chance;
 use super::{Topology, topology};
 use crate::{
     Component, TriMesh,
-    kit::{cube, graph, joined, mesh, moved, positions, sphere, strip, tetrahedron, torus},
+    kit::{cube, graph, mesh, moved, positions, sphere, strip, tetrahedron, torus},
 };
 use isokit_job::{Cancelled, Job, Limits, Stopped};
 
@@ -75,7 +75,7 @@ fn closed_surfaces_have_no_flaw_and_a_genus() {
 
 #[test]
 fn pieces_stand_in_the_order_of_their_first_triangles() {
-    let mesh = joined(&[torus(5), tetrahedron()]);
+    let mesh = TriMesh::joined(&[torus(5), tetrahedron()]).unwrap();
     check(&mesh, Flaws { components: 2, ..SPHERE });
     let found = of(&mesh);
     let [torus, tetrahedron] = &found.components[..] else { panic!("two pieces") };
@@ -118,7 +118,7 @@ fn three_triangles_that_pass_an_edge_in_one_direction_are_inconsistent() {
 #[test]
 fn cubes_that_touch_in_an_edge_are_one_closed_oriented_piece() {
     let upper = moved(&cube(), |x| x + 1.0);
-    let mut both = joined(&[cube(), upper]);
+    let mut both = TriMesh::joined(&[cube(), upper]).unwrap();
     // The cubes touch in one corner; sharing a neighbour of it too makes an edge.
     both.triangles.iter_mut().flatten().for_each(|v| {
         *v = match *v {
@@ -239,7 +239,7 @@ fn an_empty_mesh_is_a_surface() {
 fn inside_out_is_told_for_the_whole_and_not_for_cavities() {
     let mut cavity = moved(&cube(), |x| 0.25 + x / 2.0);
     cavity.triangles.iter_mut().for_each(|triangle| triangle.reverse());
-    let hollow = joined(&[cube(), cavity.clone()]);
+    let hollow = TriMesh::joined(&[cube(), cavity.clone()]).unwrap();
     let volumes: Vec<f64> = of(&hollow).components.iter().map(|c| c.volume).collect();
     assert_eq!(volumes, [1.0, -0.125]);
     assert_eq!(of(&hollow).shortfalls(), Vec::<String>::new());

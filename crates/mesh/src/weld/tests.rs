@@ -3,7 +3,7 @@
 use super::{Welded, weld_exact, weld_within};
 use crate::{
     Positions, TriMesh,
-    kit::{cube, exploded, joined, mesh, moved, positions, sphere, threads, torus},
+    kit::{cube, exploded, mesh, moved, positions, sphere, threads, torus},
     topology::topology,
 };
 use isokit_job::{Cancelled, Job, Limits, Stopped};
@@ -104,7 +104,7 @@ fn edges_that_get_too_many_triangles_are_counted_once() {
     for (step, expected) in [([1.0, 1.0, 0.0], 1), ([1.0, 0.0, 0.0], 5)] {
         let mut second = cube();
         positions(&mut second).iter_mut().for_each(|p| (0..3).for_each(|k| p[k] += step[k]));
-        let welded = exact(&joined(&[cube(), second]));
+        let welded = exact(&TriMesh::joined(&[cube(), second]).unwrap());
         assert_eq!(welded.new_nonmanifold_edges, expected);
         assert_eq!(exact(&welded.mesh), Welded { mesh: welded.mesh, ..Welded::default() });
     }

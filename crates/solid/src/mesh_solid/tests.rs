@@ -1,7 +1,7 @@
 //! Distances and windings of meshes that are known, of chance, and of broken ones.
 
 use super::{Inside, MeshSolid, SolidError, SolidOptions, Winding};
-use crate::kit::{Chance, ball, cube, joined, mesh, moved, turned};
+use crate::kit::{Chance, ball, cube, mesh, moved, turned};
 use isokit_geom::vector::{cross, dot, length, sub};
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
@@ -84,8 +84,8 @@ fn a_closed_surface_winds_a_whole_number_of_times() {
         (cube(), 1.0),
         (ball(12), 1.0),
         (turned(&ball(12)), -1.0),
-        (joined(&[cube(), turned(&small)]), 0.0),
-        (joined(&[cube(), small]), 2.0),
+        (TriMesh::joined(&[cube(), turned(&small)]).unwrap(), 0.0),
+        (TriMesh::joined(&[cube(), small]).unwrap(), 2.0),
     ] {
         let found = as_it_is(&mesh);
         assert_eq!(found.flaws().open_edges, 0);
@@ -122,7 +122,7 @@ fn a_winding_is_the_sum_of_solid_angles_but_for_its_allowance() {
 #[test]
 fn windings_of_parts_add_up() {
     let (a, b) = (ball(10), moved(&cube(), |p| [p[0] + 0.7, p[1], p[2]]));
-    let both = as_it_is(&joined(&[a.clone(), b.clone()]));
+    let both = as_it_is(&TriMesh::joined(&[a.clone(), b.clone()]).unwrap());
     let (a, b) = (as_it_is(&a), as_it_is(&b));
     let mut chance = Chance(4);
     for _ in 0..200 {
@@ -204,7 +204,7 @@ fn faces_twice_over_count_once() {
 
 #[test]
 fn a_mesh_that_is_seen_from_both_sides_is_solid() {
-    let both = joined(&[cube(), turned(&cube())]);
+    let both = TriMesh::joined(&[cube(), turned(&cube())]).unwrap();
     let found = solid(&both);
     assert_eq!((found.flaws().back_to_back, found.flaws().open_edges), (24, 0));
     assert!(found.is_inside([0.3, 0.2, 0.1]) && !found.is_inside([0.3, 0.2, 1.1]));
@@ -213,7 +213,7 @@ fn a_mesh_that_is_seen_from_both_sides_is_solid() {
 #[test]
 fn a_sheet_within_a_cube_changes_nothing_but_distances() {
     let sheet = mesh(&[[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]], &[[0, 1, 2]]);
-    let both = joined(&[cube(), sheet.clone(), turned(&sheet)]);
+    let both = TriMesh::joined(&[cube(), sheet.clone(), turned(&sheet)]).unwrap();
     let found = solid(&both);
     for z in [-0.01, 0.01] {
         assert!((found.signed_distance([0.0, 0.0, z]) - 0.01).abs() < 1e-12);

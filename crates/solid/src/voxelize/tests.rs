@@ -3,7 +3,7 @@
 use super::{VoxelError, VoxelMode, VoxelOptions, Walls, half_diagonal, voxelize};
 use crate::{
     MeshSolid, SolidOptions, Winding,
-    kit::{Chance, ball, cube, joined, moved, threads, turned},
+    kit::{Chance, ball, cube, moved, threads, turned},
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Limits};
@@ -71,7 +71,8 @@ fn broken() -> TriMesh {
 fn a_sample_is_what_its_point_is_told_to_the_bit() {
     let as_it_is = SolidOptions { winding: Winding::AsItIs, ..SolidOptions::default() };
     let mut chance = Chance(12);
-    let meshes = [cube(), ball(10), broken(), chance.soup(40), joined(&[ball(6), cube()])];
+    let meshes =
+        [cube(), ball(10), broken(), chance.soup(40), TriMesh::joined(&[ball(6), cube()]).unwrap()];
     for mesh in meshes {
         for options in [SolidOptions::default(), as_it_is] {
             let solid = MeshSolid::new(&mesh, options, &Job::default()).unwrap();

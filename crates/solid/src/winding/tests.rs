@@ -3,7 +3,7 @@
 use super::{Search, Turns, Windings, solid_angle};
 use crate::{
     bvh::Bvh,
-    kit::{Chance, ball, cube, joined},
+    kit::{Chance, ball, cube},
 };
 use isokit_geom::vector::length;
 use std::f64::consts::PI;
@@ -67,7 +67,7 @@ fn a_search_ends_with_the_sum_of_arctangents() {
     for round in 0..60 {
         let mesh = match round % 3 {
             0 => chance.soup(1 + round),
-            1 => joined(&[cube(), ball(2 + round as u32 / 6)]),
+            1 => isokit_mesh::TriMesh::joined(&[cube(), ball(2 + round as u32 / 6)]).unwrap(),
             _ => cube(),
         };
         let corners: Vec<_> = mesh.triangles.iter().map(|&t| mesh.corners(t)).collect();
