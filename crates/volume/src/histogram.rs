@@ -47,17 +47,18 @@ impl Histogram {
         })
     }
 
-    /// The same, and the statistics. Samples of one or two bytes are looked at only once for both.
+    /// The same, and the statistics, if those are not `known`. Samples of one or two bytes are looked at only once for both.
     ///
     /// # Errors
     ///
     /// [`Cancelled`] if the job was.
     pub fn with_statistics<T: Sample>(
         view: &View<'_, T>,
+        known: Option<&Statistics>,
         job: &Job,
     ) -> Result<(Statistics, Option<Self>), Cancelled> {
-        if !Ranks::suit::<T>() {
-            let statistics = Statistics::of(view, job)?;
+        if known.is_some() || !Ranks::suit::<T>() {
+            let statistics = known.map_or_else(|| Statistics::of(view, job), |known| Ok(*known))?;
             return Ok((statistics, Self::of(view, &statistics, job)?));
         }
         job.progress.begin("scan", view.dims()[2] as u64);

@@ -148,8 +148,10 @@ mod tests {
             let source = || Ok(Slices::new(view));
             let found = Histogram::of_slices(source, &statistics, &job).unwrap();
             assert_eq!(found, Histogram::of(&view, &statistics, &job).unwrap());
-            let both = Histogram::with_statistics(&view, &job).unwrap();
-            assert_eq!(both, (statistics, found));
+            for known in [None, Some(&statistics)] {
+                let both = Histogram::with_statistics(&view, known, &job).unwrap();
+                assert_eq!(both, (statistics, found.clone()));
+            }
         }
     }
 

@@ -14,8 +14,7 @@ use isokit_volume::{
 };
 use std::{ops::Range, path::Path, slice, sync::OnceLock};
 
-/// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of
-/// `scripts/bench`.
+/// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of `scripts/bench`.
 const MOST_ACTIVE: f64 = 0.1;
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
@@ -204,14 +203,10 @@ impl Scan {
         if let Some(known) = self.histogram.get() {
             return Ok(known.as_ref());
         }
-        let found = for_any!(&self.volume, volume => match self.statistics.get() {
-            Some(statistics) => Histogram::of(&self.view(volume), statistics, job)?,
-            None => {
-                let (statistics, found) = Histogram::with_statistics(&self.view(volume), job)?;
-                self.statistics.get_or_init(|| statistics);
-                found
-            }
-        });
+        let (statistics, found) = for_any!(&self.volume, volume => {
+            Histogram::with_statistics(&self.view(volume), self.statistics.get(), job)
+        })?;
+        self.statistics.get_or_init(|| statistics);
         Ok(self.histogram.get_or_init(|| found).as_ref())
     }
 
