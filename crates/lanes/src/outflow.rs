@@ -13,10 +13,13 @@
 //! Rows are padded: a strip is before the first sample, and another after the last strip that has samples. What is beside
 //! the first and the last sample is their copy.
 
+mod tables;
+
 use crate::{
     Level,
     wide::{Task, Wide, run_at},
 };
+use tables::{Tables, enter};
 
 /// Samples of a strip.
 pub const STRIP: usize = 32;
@@ -203,13 +206,10 @@ fn whole(along: [f32; 3], square: f32) -> [i16; 3] {
 /// What makes the low bits of a small number those of the nearest whole one.
 const NEAREST: f32 = 1.5 * (1 << 23) as f32;
 
-/// Tables that take turns, so that samples of one value do not wait for each other.
-const TURNS: usize = 4;
-
 /// Sums by value.
 #[derive(Clone, Debug)]
 pub struct Outflows {
-    tables: Box<[[[i32; 8]; 256]; TURNS]>,
+    tables: Tables,
     pending: usize,
     even: Box<[u64; 256]>,
     sums: Box<[Outflow; 256]>,
@@ -226,18 +226,18 @@ pub struct RowNormals<'a> {
     pub high: [&'a [i16]; 2],
 }
 
-impl Default for Outflows {
-    fn default() -> Self {
+impl Outflows {
+    /// Nothing yet. Where no one asks along which axis samples rise, sums of all rises are enough: then those are called
+    /// the rises along x, which takes less time.
+    pub fn new(rises_are_apart: bool) -> Self {
         Self {
-            tables: Box::new([[[0; 8]; 256]; TURNS]),
+            tables: Tables::new(rises_are_apart),
             pending: 0,
             even: Box::new([0; 256]),
             sums: Box::new([Outflow::default(); 256]),
         }
     }
-}
 
-impl Outflows {
     /// Adds a row of `count` samples.
     ///
     /// # Panics
@@ -253,21 +253,16 @@ impl Outflows {
         run_at(Level::current(), Add { sums: self, rows, normals, is_even, count });
     }
 
+    /// Adds samples of a value whose neighbours all have it too.
+    pub fn add_even(&mut self, value: u8, samples: usize) {
+        self.even[value as usize] += samples as u64;
+    }
+
     fn flush(&mut self) {
         self.pending = 0;
-        for value in 0..256 {
-            let sum = &mut self.sums[value];
-            for table in &mut *self.tables {
-                let [shares, crossings, x, y, z, samples, ..] =
-                    std::mem::take(&mut table[value]).map(i64::from);
-                sum.shares += shares;
-                sum.crossings += crossings;
-                for (all, more) in sum.rises.iter_mut().zip([x, y, z]) {
-                    *all += more;
-                }
-                sum.samples += samples as u64;
-            }
+        for (value, sum) in self.sums.iter_mut().enumerate() {
             sum.samples += std::mem::take(&mut self.even[value]);
+            *sum = self.tables.take(value).into_iter().fold(*sum, Outflow::with);
         }
     }
 
@@ -329,38 +324,22 @@ impl Task for Add<'_> {
                     rises[axis][i] = i16::from(a[i]) + i16::from(b[i]) - 2 * i16::from(middle[i]);
                 }
             }
-            let mut entries = [[0_i16; 8]; STRIP];
-            for i in 0..STRIP {
-                let [x, y, z] = [rises[0][i], rises[1][i], rises[2][i]];
-                entries[i] = [shares[i], i16::from(crossings[i]), x, y, z, 1, 0, 0];
-            }
-            let tables = &mut *sums.tables;
-            if here == STRIP {
-                // Whose turn it is, is known: that saves a tenth of the time.
-                let (turns, _) = entries.as_chunks::<TURNS>();
-                let (values, _) = middle.as_chunks::<TURNS>();
-                for (entries, values) in turns.iter().zip(values) {
-                    for n in 0..TURNS {
-                        enter(&mut tables[n][values[n] as usize], &entries[n]);
-                    }
-                }
-            } else {
-                for i in 0..here {
-                    enter(&mut tables[i % TURNS][middle[i] as usize], &entries[i]);
-                }
+            let values = &middle[..here];
+            match &mut sums.tables {
+                Tables::Apart(table) => enter(table, values, |i| {
+                    let [x, y, z] = [rises[0][i], rises[1][i], rises[2][i]];
+                    [shares[i], i16::from(crossings[i]), x, y, z, 1, 0, 0]
+                }),
+                Tables::Together(table) => enter(table, values, |i| {
+                    let rise = rises[0][i] + rises[1][i] + rises[2][i];
+                    [shares[i], i16::from(crossings[i]), rise, 1]
+                }),
             }
             sums.pending += here;
             if sums.pending > 60_000 {
                 sums.flush();
             }
         }
-    }
-}
-
-#[inline(always)]
-fn enter(sum: &mut [i32; 8], entry: &[i16; 8]) {
-    for i in 0..8 {
-        sum[i] += i32::from(entry[i]);
     }
 }
 

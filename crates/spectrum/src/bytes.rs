@@ -6,8 +6,10 @@
 
 use crate::{Contour, Levels, edges::Metric};
 use isokit_job::{Job, Stopped};
-use isokit_lanes::{Neighbours, Outflow, Outflows, RowNormals, STRIP, Scale, WHOLE, exactly};
-use isokit_volume::{Sample, View};
+use isokit_lanes::{
+    Neighbours, Outflow, Outflows, RowNormals, STRIP, Scale, WHOLE, exactly, prefetch,
+};
+use isokit_volume::{Row, Sample, View};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -18,7 +20,7 @@ const SLICES: usize = 4;
 const NORMALS: usize = 3;
 
 /// Samples of a slice of a part, about, and its slices.
-const BAND: usize = 1 << 13;
+const BAND: usize = 1 << 14;
 const DEEP: usize = 64;
 
 /// A part of a volume: rows of some slices.
@@ -40,16 +42,36 @@ fn parts([nx, ny, nz]: [usize; 3]) -> Vec<Part> {
     bands.flat_map(deep).collect()
 }
 
+/// What rises along the axes count for.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    /// The squares of the steps' covectors, the greatest as 1.
+    shares: [f32; 3],
+    /// Whether they differ.
+    differ: bool,
+}
+
+impl Weights {
+    fn of(squares: [f64; 3], most: f64) -> Self {
+        Self {
+            shares: squares.map(|square| (square / most) as f32),
+            differ: squares.iter().any(|square| *square != most),
+        }
+    }
+}
+
 /// The way through the slices of a part.
 struct Pass<'a, T> {
     view: &'a View<'a, T>,
-    weights: [f32; 3],
+    weights: Weights,
     part: Part,
     /// Numbers of a padded row.
     stride: usize,
     strips: usize,
     /// Rows from two before the part to two behind.
     samples: [Vec<u8>; SLICES],
+    /// The value of each of these rows, if all its samples have one, as in air.
+    values: [Vec<Option<u8>>; SLICES],
     /// Rows from one before the part to one behind.
     normals: [[Vec<i16>; 3]; NORMALS],
     is_even: [Vec<bool>; NORMALS],
@@ -57,7 +79,7 @@ struct Pass<'a, T> {
 }
 
 impl<'a, T: Sample> Pass<'a, T> {
-    fn new(view: &'a View<'a, T>, weights: [f32; 3], part: Part) -> Self {
+    fn new(view: &'a View<'a, T>, weights: Weights, part: Part) -> Self {
         let strips = view.dims()[0].div_ceil(STRIP);
         let stride = STRIP * (strips + 2);
         let rows = part.rows.len();
@@ -66,7 +88,8 @@ impl<'a, T: Sample> Pass<'a, T> {
             weights,
             stride,
             strips,
-            samples: std::array::from_fn(|_| vec![0; stride * (rows + 4)]),
+            samples: [(); SLICES].map(|()| vec![0; stride * (rows + 4)]),
+            values: [(); SLICES].map(|()| vec![None; rows + 4]),
             normals: [(); NORMALS].map(|()| [(); 3].map(|()| vec![0; stride * (rows + 2)])),
             is_even: [(); NORMALS].map(|()| vec![false; strips * (rows + 2)]),
             part,
@@ -75,7 +98,7 @@ impl<'a, T: Sample> Pass<'a, T> {
     }
 
     fn outflows(mut self, job: &Job) -> Result<Outflows, Stopped> {
-        let mut sums = Outflows::default();
+        let mut sums = Outflows::new(self.weights.differ);
         let first = self.part.slices.start as isize;
         for k in first - 2..self.part.slices.end as isize + 2 {
             job.check()?;
@@ -95,17 +118,24 @@ impl<'a, T: Sample> Pass<'a, T> {
     fn load(&mut self, k: isize) {
         let [nx, ny, nz] = self.view.dims();
         let k_inside = k.clamp(0, nz as isize - 1) as usize;
-        let slice = &mut self.samples[k.rem_euclid(SLICES as isize) as usize];
-        for (r, out) in slice.chunks_exact_mut(self.stride).enumerate() {
+        let next = (k_inside + 1).min(nz - 1);
+        let turn = k.rem_euclid(SLICES as isize) as usize;
+        let rows = self.samples[turn].chunks_exact_mut(self.stride);
+        for (r, (out, value)) in rows.zip(&mut self.values[turn]).enumerate() {
             let j = (self.part.rows.start + r).saturating_sub(2).min(ny - 1);
+            if let Row::Contiguous(next) = self.view.row(j, next) {
+                prefetch(next);
+            }
             let row = self.view.row(j, k_inside).gather(&mut self.scratch);
             let (before, out) = out.split_at_mut(STRIP);
             for (out, &sample) in out.iter_mut().zip(row) {
                 *out = sample.rank() as u8;
             }
-            let last = out[nx - 1];
+            let [first, last] = [out[0], out[nx - 1]];
+            let is_even = || out[..nx].iter().fold(0, |differ, v| differ | (v ^ first)) == 0;
+            *value = (first == last && is_even()).then_some(first);
             out[nx..].fill(last);
-            before[STRIP - 1] = out[0];
+            before[STRIP - 1] = first;
         }
     }
 
@@ -124,6 +154,13 @@ impl<'a, T: Sample> Pass<'a, T> {
         }
     }
 
+    /// The one value that a row and those beside it have, if they do.
+    fn value(&self, k: isize, r: usize) -> Option<u8> {
+        let value = |k: isize, r: usize| self.values[k.rem_euclid(SLICES as isize) as usize][r];
+        let beside = [value(k, r - 1), value(k, r + 1), value(k - 1, r), value(k + 1, r)];
+        value(k, r).filter(|own| beside.iter().all(|value| *value == Some(*own)))
+    }
+
     /// Finds normals, of slices of which both neighbours are in memory.
     fn normals_of(&mut self, k: isize) {
         let [nx, ny, nz] = self.view.dims();
@@ -133,11 +170,19 @@ impl<'a, T: Sample> Pass<'a, T> {
         let times =
             |n: isize, count: usize| if n <= 0 || n + 1 >= count as isize { 2.0 } else { 1.0 };
         for r in 0..self.part.rows.len() + 2 {
-            let j = (self.part.rows.start + r) as isize - 1;
-            let scale = Scale { weights: self.weights, times: [times(j, ny), times(k, nz)] };
+            let is_even = &mut is_even[r * self.strips..(r + 1) * self.strips];
             let out =
                 normals.each_mut().map(|all| &mut all[r * self.stride..(r + 1) * self.stride]);
-            let is_even = &mut is_even[r * self.strips..(r + 1) * self.strips];
+            if self.value(k, r + 1).is_some() {
+                // Of strips that were even the normals are 0 already.
+                if !is_even.iter().all(|is_even| *is_even) {
+                    out.into_iter().for_each(|row| row.fill(0));
+                    is_even.fill(true);
+                }
+                continue;
+            }
+            let j = (self.part.rows.start + r) as isize - 1;
+            let scale = Scale { weights: self.weights.shares, times: [times(j, ny), times(k, nz)] };
             self.neighbours(k, r + 1).normals(&scale, nx, out, is_even);
         }
         self.normals[turn] = normals;
@@ -154,6 +199,10 @@ impl<'a, T: Sample> Pass<'a, T> {
     fn add(&self, k: isize, sums: &mut Outflows) {
         let [nx, ..] = self.view.dims();
         for r in 1..=self.part.rows.len() {
+            if let Some(value) = self.value(k, r + 1) {
+                sums.add_even(value, nx);
+                continue;
+            }
             let normals = RowNormals {
                 own: [0, 1, 2].map(|axis| self.normals(axis, k, r)),
                 low: [self.normals(1, k, r - 1), self.normals(2, k - 1, r)],
@@ -169,7 +218,7 @@ impl<'a, T: Sample> Pass<'a, T> {
 /// What samples of each value add.
 fn outflows<T: Sample>(
     view: &View<'_, T>,
-    weights: [f32; 3],
+    weights: Weights,
     job: &Job,
 ) -> Result<[Outflow; 256], Stopped> {
     let parts = parts(view.dims());
@@ -187,7 +236,9 @@ fn outflows<T: Sample>(
         Ok(all)
     };
     let none = || Box::new([Outflow::default(); 256]);
-    let all = job.threads.run(|| parts.into_par_iter().map(part).try_reduce(none, add))?;
+    // One by one, since some parts are air.
+    let all = || parts.into_par_iter().with_max_len(1).map(part).try_reduce(none, add);
+    let all = job.threads.run(all)?;
     Ok(*all)
 }
 
@@ -206,7 +257,7 @@ pub(crate) fn contours<T: Sample>(
         return Ok(None);
     };
     let most = squares.iter().fold(0.0, |most: f64, square| square.max(most));
-    let outflows = outflows(view, squares.map(|square| (square / most) as f32), job)?;
+    let outflows = outflows(view, Weights::of(squares, most), job)?;
     let slope = view.scaling().slope();
     let mut bins = vec![Outflow::default(); levels.isos().len() + 1];
     for (&value, outflow) in values.iter().zip(&outflows) {

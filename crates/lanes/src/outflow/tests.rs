@@ -136,15 +136,18 @@ fn sums_are_those_of_all_edges_at_every_level() {
                 sum.shares += side * i64::from(share) * rise.signum().abs();
             }
         }
+        let thrice = plain.map(|sum| sum.with(sum).with(sum));
+        let together = thrice.map(|sum| Outflow { rises: [sum.rises.iter().sum(), 0, 0], ..sum });
         for &level in Level::available() {
-            let mut found = Outflows::default();
-            for _ in 0..3 {
-                let (is_even, count) = (&own.1[..], lattice.count);
-                let sums = &mut found;
-                run_at(level, Add { sums, rows, normals: normals(), is_even, count });
+            for (rises_are_apart, expected) in [(true, &thrice), (false, &together)] {
+                let mut found = Outflows::new(rises_are_apart);
+                for _ in 0..3 {
+                    let (is_even, count) = (&own.1[..], lattice.count);
+                    let sums = &mut found;
+                    run_at(level, Add { sums, rows, normals: normals(), is_even, count });
+                }
+                assert!(*found.sums() == *expected, "{level}, {} samples", lattice.count);
             }
-            let thrice = plain.map(|sum| sum.with(sum).with(sum));
-            assert!(*found.sums() == thrice, "{level}, {} samples", lattice.count);
         }
     }
 }
@@ -159,11 +162,13 @@ fn sums_do_not_run_over() {
     let (normals, is_even) = ([(); 3].map(|()| vec![WHOLE / 2; 32 * 3127]), vec![false; 3125]);
     let [x, y, z] = normals.each_ref().map(|row| &row[..]);
     let normals = RowNormals { own: [x, y, z], low: [y, z], high: [y, z] };
-    let mut found = Outflows::default();
-    for _ in 0..10 {
-        found.add(lattice.neighbours(2, 2), normals, &is_even, lattice.count);
+    for rises_are_apart in [true, false] {
+        let mut found = Outflows::new(rises_are_apart);
+        for _ in 0..10 {
+            found.add(lattice.neighbours(2, 2), normals, &is_even, lattice.count);
+        }
+        let sums = found.sums();
+        assert_eq!([sums[0].samples, sums[255].samples], [500_000; 2]);
+        assert_eq!(sums[0].rises, [255 * (2 * 500_000 - 10), 0, 0]);
     }
-    let sums = found.sums();
-    assert_eq!([sums[0].samples, sums[255].samples], [500_000; 2]);
-    assert_eq!(sums[0].rises[0], 255 * (2 * 500_000 - 10));
 }

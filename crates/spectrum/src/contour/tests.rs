@@ -154,6 +154,7 @@ fn samples_of_one_byte_have_the_crossings_the_volume_and_the_total_gradient_of_t
         ([32, 1, 9], CUBES),
         ([1, 64, 2], bricks),
         ([97, 3, 1], CUBES),
+        ([257, 65, 66], CUBES), // two parts along y and along z
     ] {
         let mut next = noise();
         let all: Vec<u8> = (0..dims.iter().product::<u64>()).map(|_| (next() % 9) as u8).collect();
