@@ -107,8 +107,8 @@ impl ScalarField for Placed {
     }
 
     fn slope(&self, ijk: [f64; 3]) -> Slope {
-        let found = exactly(|| self.tape.slope(ijk));
-        Slope { value: found.value, gradient: found.gradient }
+        let [x, y, z, value] = exactly(|| self.tape.slope(ijk)).0;
+        Slope { value, gradient: [x, y, z] }
     }
 
     fn jet(&self, ijk: [f64; 3]) -> Jet {

@@ -200,13 +200,15 @@ impl Tape {
     pub(crate) fn slope(&self, point: [f64; 3]) -> Steep {
         let mut numbers: Vec<Steep> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
-            let number = match *step {
-                Step::Constant(value) => Steep::constant(value),
-                Step::Axis(axis) => Steep::axis(axis, point[usize::from(axis)]),
-                Step::Unary(code, a) => numbers[a as usize].unary(code),
-                Step::Binary(code, a, b) => numbers[a as usize].binary(code, &numbers[b as usize]),
-            };
-            numbers.push(number);
+            // Put at its place by each arm: on the way through another one it would cost most of the time.
+            match *step {
+                Step::Constant(value) => numbers.push(Steep::constant(value)),
+                Step::Axis(axis) => numbers.push(Steep::axis(axis, point[usize::from(axis)])),
+                Step::Unary(code, a) => numbers.push(numbers[a as usize].unary(code)),
+                Step::Binary(code, a, b) => {
+                    numbers.push(numbers[a as usize].binary(code, &numbers[b as usize]));
+                }
+            }
         }
         *numbers.last().expect("a tape has a step")
     }

@@ -66,53 +66,55 @@ impl Dual {
     }
 }
 
-/// A value with its gradient: as of [`Dual`], without what only second derivatives need.
+/// A gradient, and its value last: as of [`Dual`], without what only second derivatives need. Four numbers in a row are
+/// made and kept at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Steep {
-    pub(crate) value: f64,
-    pub(crate) gradient: [f64; 3],
-}
+pub(crate) struct Steep(pub(crate) [f64; 4]);
 
 impl Steep {
     #[inline]
     pub(super) fn constant(value: f64) -> Self {
-        Self { value, gradient: [0.0; 3] }
+        Self([0.0, 0.0, 0.0, value])
     }
 
     #[inline]
     pub(super) fn axis(axis: u8, value: f64) -> Self {
         let mut number = Self::constant(value);
-        number.gradient[usize::from(axis)] = 1.0;
+        number.0[usize::from(axis)] = 1.0;
         number
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn unary(&self, code: Unary) -> Self {
-        let value = code.of(self.value);
-        let [first, _] = slopes(code, self.value, value);
-        self.chained(value, &Self::constant(0.0), [first, 0.0])
+        let [.., own] = self.0;
+        let value = code.of(own);
+        let [first, _] = slopes(code, own, value);
+        // Of an operand that is 0, as Dual adds it: so zeros have its sign.
+        chained(value, self.0.map(|p| times(first, p) + 0.0))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn binary(&self, code: Binary, other: &Self) -> Self {
-        let value = code.of(self.value, other.value);
-        match chosen(code, self.value, other.value) {
+        let ([.., a], [.., b]) = (self.0, other.0);
+        match chosen(code, a, b) {
             Some(true) => *self,
             Some(false) => *other,
             None => {
-                let [by_a, by_b, ..] = partials(code, self.value, other.value, value);
-                self.chained(value, other, [by_a, by_b])
+                let value = code.of(a, b);
+                let [by_a, by_b, ..] = partials(code, a, b, value);
+                let along = |k: usize| times(by_a, self.0[k]) + times(by_b, other.0[k]);
+                chained(value, [along(0), along(1), along(2), along(3)])
             }
         }
     }
+}
 
-    #[inline]
-    fn chained(&self, value: f64, other: &Self, [by_a, by_b]: [f64; 2]) -> Self {
-        if value.is_nan() {
-            return Self { value, gradient: [f64::NAN; 3] };
-        }
-        let (p, q) = (self.gradient, other.gradient);
-        Self { value, gradient: [0, 1, 2].map(|i| times(by_a, p[i]) + times(by_b, q[i])) }
+/// The chain rule's gradient, with its value.
+#[inline(always)]
+fn chained(value: f64, [x, y, z, _]: [f64; 4]) -> Steep {
+    match value.is_nan() {
+        true => Steep([f64::NAN, f64::NAN, f64::NAN, value]),
+        false => Steep([x, y, z, value]),
     }
 }
 
