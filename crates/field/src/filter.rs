@@ -3,7 +3,7 @@
 //! Along each axis a value is the sum of samples, each weighed by where it lies from the place; in space by the product of
 //! the three. Mitchell & Netravali 1988, "Reconstruction filters in computer graphics", say what errors such filters make.
 
-use std::f64::consts::PI;
+use std::{cmp::Ordering, f64::consts::PI};
 
 /// A symmetric function of a distance along an axis, in units of the distance of samples.
 pub trait SeparableKernel: Sync {
@@ -13,13 +13,39 @@ pub trait SeparableKernel: Sync {
     /// How much of a sample counts, at a place that is so far above it.
     fn weight(&self, distance: f64) -> f64;
 
-    /// The derivative of the weight.
+    /// The derivative of the weight; where it has an edge, the mean of both sides.
     fn slope(&self, distance: f64) -> f64;
+
+    /// The second derivative of the weight; where the slope has an edge, the mean of both sides. Of edges and jumps of the
+    /// weight itself it says nothing.
+    fn bend(&self, distance: f64) -> f64;
 
     /// If the weights are not of samples, but of numbers that have to be found first so that the sum goes through the
     /// samples: how. Default: they are of samples.
     fn spline(&self) -> Option<Spline> {
         None
+    }
+}
+
+impl<K: SeparableKernel + ?Sized> SeparableKernel for &K {
+    fn radius(&self) -> f64 {
+        (**self).radius()
+    }
+
+    fn weight(&self, distance: f64) -> f64 {
+        (**self).weight(distance)
+    }
+
+    fn slope(&self, distance: f64) -> f64 {
+        (**self).slope(distance)
+    }
+
+    fn bend(&self, distance: f64) -> f64 {
+        (**self).bend(distance)
+    }
+
+    fn spline(&self) -> Option<Spline> {
+        (**self).spline()
     }
 }
 
@@ -138,24 +164,46 @@ impl SeparableKernel for Filter {
 
     fn slope(&self, distance: f64) -> f64 {
         let t = distance.abs();
-        if t >= self.radius() {
+        if t > self.radius() {
             return 0.0;
         }
         let falling = match *self {
             Self::Nearest => 0.0,
-            Self::Linear => -1.0,
+            Self::Linear => mean_at(t, 1.0, -1.0, 0.0),
             Self::QuadraticBSpline | Self::SmoothQuadratic if t < 0.5 => -2.0 * t,
             Self::QuadraticBSpline | Self::SmoothQuadratic => t - 1.5,
             Self::CubicBSpline => cubic(t, 1.0, 0.0)[1],
             Self::Cubic { b, c } => cubic(t, b, c)[1],
             Self::Sinc { window, lobes } => {
-                let ([wave, steep], [window, ends]) = (sinc(t), window.at(t, lobes.into()));
+                let ([wave, steep, _], [window, ends, _]) = (sinc(t), window.at(t, lobes.into()));
                 steep * window + wave * ends
             }
         };
         match distance {
             0.0 => 0.0,
             _ => falling * distance.signum(),
+        }
+    }
+
+    fn bend(&self, distance: f64) -> f64 {
+        let t = distance.abs();
+        let end = self.radius();
+        if t > end {
+            return 0.0;
+        }
+        match *self {
+            Self::Nearest | Self::Linear => 0.0,
+            Self::QuadraticBSpline | Self::SmoothQuadratic => match t < 1.0 {
+                true => mean_at(t, 0.5, -2.0, 1.0),
+                false => mean_at(t, end, 1.0, 0.0),
+            },
+            Self::CubicBSpline => cubic_bend(t, 1.0, 0.0),
+            Self::Cubic { b, c } => cubic_bend(t, b, c),
+            Self::Sinc { window, lobes } => {
+                let ([wave, steep, bent], [window, ends, bends]) =
+                    (sinc(t), window.at(t, lobes.into()));
+                mean_at(t, end, bent * window + 2.0 * steep * ends + wave * bends, 0.0)
+            }
         }
     }
 
@@ -168,45 +216,92 @@ impl SeparableKernel for Filter {
     }
 }
 
-/// Mitchell & Netravali's cubic at a distance from 0 to 2, and its derivative.
+/// What is `inner` up to an edge and `outer` beyond.
+fn mean_at(t: f64, edge: f64, inner: f64, outer: f64) -> f64 {
+    match t.total_cmp(&edge) {
+        Ordering::Less => inner,
+        Ordering::Equal => 0.5 * (inner + outer),
+        Ordering::Greater => outer,
+    }
+}
+
+/// Mitchell & Netravali's cubic up to a distance of 1, and from there to 2: from the highest power on, six times.
+fn pieces(b: f64, c: f64) -> [[f64; 4]; 2] {
+    [
+        [12.0 - 9.0 * b - 6.0 * c, -18.0 + 12.0 * b + 6.0 * c, 0.0, 6.0 - 2.0 * b],
+        [-b - 6.0 * c, 6.0 * b + 30.0 * c, -12.0 * b - 48.0 * c, 8.0 * b + 24.0 * c],
+    ]
+}
+
+/// The cubic at a distance from 0 to 2, and its derivative.
 fn cubic(t: f64, b: f64, c: f64) -> [f64; 2] {
-    let [p3, p2, p1, p0] = match t < 1.0 {
-        true => [12.0 - 9.0 * b - 6.0 * c, -18.0 + 12.0 * b + 6.0 * c, 0.0, 6.0 - 2.0 * b],
-        false => [-b - 6.0 * c, 6.0 * b + 30.0 * c, -12.0 * b - 48.0 * c, 8.0 * b + 24.0 * c],
-    };
+    let [p3, p2, p1, p0] = pieces(b, c)[usize::from(t >= 1.0)];
     [((p3 * t + p2) * t + p1) * t + p0, (3.0 * p3 * t + 2.0 * p2) * t + p1].map(|sum| sum / 6.0)
 }
 
-/// The sine of `t` half turns over `t` half turns, and its derivative. At samples it is 0 to the last digit.
-fn sinc(t: f64) -> [f64; 2] {
+/// The second derivative of the cubic.
+fn cubic_bend(t: f64, b: f64, c: f64) -> f64 {
+    let [inner, outer] = pieces(b, c).map(|[p3, p2, ..]| (6.0 * p3 * t + 2.0 * p2) / 6.0);
+    match t <= 1.0 {
+        true => mean_at(t, 1.0, inner, outer),
+        false => mean_at(t, 2.0, outer, 0.0),
+    }
+}
+
+/// The sine of `t` half turns over `t` half turns, with two derivatives. At samples it is 0 to the last digit.
+fn sinc(t: f64) -> [f64; 3] {
     if t == 0.0 {
-        return [1.0, 0.0];
+        return [1.0, 0.0, -PI * PI / 3.0];
     }
     let (sine, cosine) = (PI * t).sin_cos();
     let sine = if t.fract() == 0.0 { 0.0 } else { sine };
-    [sine / (PI * t), (cosine - sine / (PI * t)) / t]
+    let wave = sine / (PI * t);
+    if t < 0.3 {
+        // Close to 0 sine and cosine take away nearly all of each other.
+        let [steep, bent] = sinc_series(PI * t);
+        return [wave, PI * steep, PI * PI * bent];
+    }
+    let steep = (cosine - wave) / t;
+    // t times the wave is a sine: its second derivative says what the wave's is.
+    [wave, steep, -PI * PI * wave - 2.0 * steep / t]
+}
+
+/// The derivatives of the sine of a number over the number, which is less than 1: the sum of its powers.
+fn sinc_series(u: f64) -> [f64; 2] {
+    let square = u * u;
+    let (mut power, mut slope, mut bend) = (1.0, 0.0, 0.0);
+    // The last ones are less than what is rounded.
+    for k in 1..=10 {
+        let n = f64::from(2 * k);
+        // (−1)ᵏ u²ᵏ⁻² / (2k + 1)!
+        power *= if k == 1 { -1.0 / 6.0 } else { -square / (n * (n + 1.0)) };
+        slope += n * power * u;
+        bend += n * (n - 1.0) * power;
+    }
+    [slope, bend]
 }
 
 impl Window {
-    /// At a distance of at most `end`, and its derivative.
-    fn at(self, t: f64, end: f64) -> [f64; 2] {
+    /// At a distance of at most `end`, with two derivatives.
+    fn at(self, t: f64, end: f64) -> [f64; 3] {
         let turn = PI / end;
         let wave = |times: f64| {
             let (sine, cosine) = (times * turn * t).sin_cos();
-            [cosine, -times * turn * sine]
+            [cosine, -times * turn * sine, -times * turn * times * turn * cosine]
         };
         match self {
             Self::Lanczos => {
-                let [wave, steep] = sinc(t / end);
-                [wave, steep / end]
+                let [wave, steep, bent] = sinc(t / end);
+                [wave, steep / end, bent / end / end]
             }
             Self::Hann => {
-                let [cosine, steep] = wave(1.0);
-                [0.5 + 0.5 * cosine, 0.5 * steep]
+                let [cosine, steep, bent] = wave(1.0);
+                [0.5 + 0.5 * cosine, 0.5 * steep, 0.5 * bent]
             }
             Self::Blackman => {
-                let ([once, steep], [twice, steeper]) = (wave(1.0), wave(2.0));
-                [0.42 + 0.5 * once + 0.08 * twice, 0.5 * steep + 0.08 * steeper]
+                let (once, twice) = (wave(1.0), wave(2.0));
+                let [window, rest @ ..] = [0, 1, 2].map(|n| 0.5 * once[n] + 0.08 * twice[n]);
+                [0.42 + window, rest[0], rest[1]]
             }
         }
     }

@@ -59,8 +59,10 @@ fn filters_are_symmetric_and_end_where_they_say() {
             let is_tie = filter == Filter::Nearest && t == 0.5;
             assert!(is_tie || filter.weight(t) == filter.weight(-t), "{filter:?} at {t}");
             assert_eq!(filter.slope(t), -filter.slope(-t), "{filter:?} at {t}");
-            let is_within = t < filter.radius();
-            assert!(is_within || (filter.weight(t), filter.slope(t)) == (0.0, 0.0), "{filter:?}");
+            assert_eq!(filter.bend(t), filter.bend(-t), "{filter:?} at {t}");
+            assert!(t < filter.radius() || filter.weight(t) == 0.0 || is_tie, "{filter:?}");
+            let is_within = t <= filter.radius();
+            assert!(is_within || (filter.slope(t), filter.bend(t)) == (0.0, 0.0), "{filter:?}");
         }
         let end = filter.radius();
         assert!(filter == Filter::Nearest || filter.weight(end - 1e-9).abs() < 1e-8, "{filter:?}");
@@ -112,6 +114,36 @@ fn slopes_are_derivatives_of_the_weights() {
             let step = 1e-6;
             let found = (filter.weight(t + step) - filter.weight(t - step)) / (2.0 * step);
             assert!((found - filter.slope(t)).abs() < 1e-7, "{filter:?} at {t}: {found}");
+            let found = (filter.slope(t + step) - filter.slope(t - step)) / (2.0 * step);
+            assert!((found - filter.bend(t)).abs() < 1e-7, "{filter:?} at {t}: {found}");
+        }
+    }
+}
+
+#[test]
+fn at_edges_slopes_and_bends_are_the_mean_of_both_sides() {
+    for filter in all() {
+        for n in 0..16 {
+            let t = f64::from(n) / 2.0;
+            let mean =
+                |of: fn(&Filter, f64) -> f64| 0.5 * (of(&filter, t - 1e-9) + of(&filter, t + 1e-9));
+            assert!((mean(Filter::slope) - filter.slope(t)).abs() < 1e-7, "{filter:?} at {t}");
+            assert!((mean(Filter::bend) - filter.bend(t)).abs() < 1e-6, "{filter:?} at {t}");
+        }
+    }
+}
+
+#[test]
+fn close_to_a_sample_derivatives_of_sines_are_as_exact_as_elsewhere() {
+    // The first terms of their series: 1 − (πt)²/6 for the sine over the distance, and the same of the window.
+    for filter in windowed() {
+        let Filter::Sinc { window: Window::Lanczos, lobes } = filter else { continue };
+        let end = f64::from(lobes);
+        let bend = -std::f64::consts::PI.powi(2) / 3.0 * (1.0 + 1.0 / (end * end));
+        for t in [1e-3, 1e-5, 1e-7, 1e-10] {
+            assert!((filter.bend(t) - bend).abs() < 100.0 * t * t + 1e-14, "{filter:?} at {t}");
+            let slope = filter.slope(t) / t;
+            assert!((slope - bend).abs() < 100.0 * t * t + 1e-14, "{filter:?} at {t}: {slope}");
         }
     }
 }
