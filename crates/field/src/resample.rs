@@ -3,13 +3,13 @@
 //! Along one axis after the other each new sample is a sum of old ones, weighed by a kernel. Where samples come farther
 //! from each other the kernel is as much wider, so that waves are left out that the new ones cannot hold: nothing else
 //! takes their place. What lies beyond the border is told from the last samples so that what rises evenly goes on
-//! (`weights.rs`); nothing of it reaches farther in than the kernel does, but for splines, of which it fades by three
+//! (`border.rs`); nothing of it reaches farther in than the kernel does, but for splines, of which it fades by three
 //! quarters and more with each sample.
 
 mod passes;
 mod weights;
 
-use crate::SeparableKernel;
+use crate::{SeparableKernel, Spline};
 use isokit_geom::Frame;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::Real;
@@ -120,6 +120,18 @@ fn numbers<T: Sample, F: Real + Sample>(
     Ok(Volume::new(grid, samples).expect("one for each point").with_scaling(view.scaling()))
 }
 
+/// The numbers by which the pieces of a spline are weighed so that they add up to the samples, x fastest: for each sample one,
+/// and one more at each end of each axis.
+pub(crate) fn spline_numbers<T: Sample, F: Real + Sample>(
+    view: &View<'_, T>,
+    spline: Spline,
+    job: &Job,
+) -> Result<Vec<F>, ResampleError> {
+    let along = |axis: usize| Weights::numbers(spline, view.dims()[axis], axis, job);
+    let weights = [along(0)?, along(1)?, along(2)?];
+    Passes { view, weights: &weights, job }.made()
+}
+
 /// The new lattice, and how many old samples it is from one new one to the next along each axis.
 fn lattice<T: Sample>(
     view: &View<'_, T>,
@@ -152,10 +164,10 @@ fn lattice<T: Sample>(
     Ok((grid.map_err(too_many)?, factors))
 }
 
-const AXES: [char; 3] = ['x', 'y', 'z'];
+pub(crate) const AXES: [char; 3] = ['x', 'y', 'z'];
 
 /// More samples of a line, or weights for them, are not numbered.
-const MOST: u32 = 1 << 30;
+pub(crate) const MOST: u32 = 1 << 30;
 
 #[cfg(test)]
 mod tests;

@@ -34,6 +34,7 @@
 //! | extract from samples in memory, in any order of axes | [`marching_cubes::extract`], [`volume::View`] |
 //! | know which isovalues are worth a look, and why | [`pipeline::Scan::suggestions`], [`spectrum`] |
 //! | have samples farther from each other or nearer | [`pipeline::Scan::resampled`], [`field::resample`] |
+//! | ask a volume for values and derivatives between its samples, by any kernel | [`field::Convolved`] |
 //! | put solids together, by a file or in Rust | [`guide::shapes`], [`solid`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
 //! | make pictures of surfaces and of values | [`scene`], [`render`](mod@render) |

@@ -1,11 +1,10 @@
 //! How much of the old samples of a line each new one is.
-//!
-//! Beyond the border a line goes on: for kernels of a few samples as the cubic through the last four, so that near the
-//! border they are as exact as elsewhere; for wider ones, which would make much of the noise of those four, turned around
-//! the last sample, so that what rises evenly goes on.
 
 use super::{AXES, MOST, ResampleError};
-use crate::{SeparableKernel, Spline};
+use crate::{
+    SeparableKernel, Spline,
+    border::{Border, FOUR, before},
+};
 use isokit_job::{Job, Stopped};
 use isokit_lanes::{Real, Recursion, Taps};
 
@@ -23,9 +22,6 @@ pub(super) struct Weights<F> {
 
 /// So far away samples count in a spline for less than a billionth.
 const SPLINE_REACH: f64 = 16.0;
-
-/// Kernels up to here go on as a cubic.
-const NARROW: f64 = 2.0;
 
 impl<F: Real> Weights<F> {
     pub(super) fn new(
@@ -63,6 +59,31 @@ impl<F: Real> Weights<F> {
             count == size && ((spline.is_some() && factor == 1.0) || (0..count).all(is_own));
         let recursion = spline.map(|spline| recursion(spline, size));
         Ok(Self { sizes, taps, recursion, is_same })
+    }
+
+    /// What makes of the samples of a line the numbers by which pieces of a spline are weighed so that they add up to the
+    /// samples: one more at each end.
+    pub(super) fn numbers(
+        spline: Spline,
+        size: usize,
+        axis: usize,
+        job: &Job,
+    ) -> Result<Self, ResampleError> {
+        let count = size.saturating_add(2);
+        if count > MOST as usize {
+            let needed = count as u64;
+            return Err(ResampleError::TooMany { axis: AXES[axis], needed, most: MOST.into() });
+        }
+        let needed = Some(count as u64);
+        job.limits.allow("weights along an axis", needed, 16).map_err(Stopped::from)?;
+        let taps = Taps {
+            firsts: (0..count as u32).collect(),
+            ends: (1..=count as u32).collect(),
+            // What is found is for pieces that are 1 beside their middle.
+            weights: vec![F::nearest(1.0 / spline.beside); count],
+        };
+        let recursion = Some(recursion(spline, size));
+        Ok(Self { sizes: [size, count], taps, recursion, is_same: false })
     }
 }
 
@@ -119,47 +140,15 @@ impl Line<'_> {
             return trimmed(dense, (first + 1) as usize);
         }
         let sum: f64 = weighed.clone().map(|(_, weight)| weight).sum();
-        // Where what is beyond counts for samples within.
-        let reach = (-low).max(high - last).max(0).max(FOUR - 1);
-        let first = low.max(0).min(if high > last { (last - reach).max(0) } else { last });
-        let end = high.min(last).max(if low < 0 { reach.min(last) } else { 0 });
+        let border = Border::new(self.size, radius);
+        let held = border.held(low, high);
         dense.clear();
-        dense.resize((end - first + 1) as usize, 0.0);
+        dense.resize((held.end - held.start) as usize, 0.0);
         for (i, weight) in weighed {
-            self.add((i, weight / sum), |i, weight| dense[(i - first) as usize] += weight);
+            border.add((i, weight / sum), |i, weight| dense[(i - held.start) as usize] += weight);
         }
-        trimmed(dense, first as usize + 1)
+        trimmed(dense, held.start as usize + 1)
     }
-
-    /// What counts of samples that are there where one counts that may be beyond the border.
-    fn add(&self, (i, weight): (i64, f64), mut add: impl FnMut(i64, f64)) {
-        let last = self.size as i64 - 1;
-        if (0..=last).contains(&i) {
-            return add(i, weight);
-        }
-        // From the border inwards.
-        let (beyond, inwards): (i64, fn(i64, i64) -> i64) = match i < 0 {
-            true => (-i, |n, _| n),
-            false => (i - last, |n, last| last - n),
-        };
-        if self.radius() > NARROW {
-            add(inwards(0, last), 2.0 * weight);
-            return add(inwards(beyond.min(last), last), -weight);
-        }
-        let nodes = FOUR.min(last + 1);
-        for node in 0..nodes {
-            add(inwards(node, last), weight * before(beyond, node, nodes));
-        }
-    }
-}
-
-/// Samples that a cubic goes through.
-const FOUR: i64 = 4;
-
-/// How much one of the first numbers of a line is of one so far before the first: of the polynomial through them.
-fn before(beyond: i64, node: i64, nodes: i64) -> f64 {
-    let others = (0..nodes).filter(|&other| other != node);
-    others.map(|other| (-beyond - other) as f64 / (node - other) as f64).product()
 }
 
 /// Without what does not count at both ends; where it begins then.
