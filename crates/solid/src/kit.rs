@@ -44,6 +44,32 @@ pub(crate) fn ball(n: u32) -> TriMesh {
     mesh(&places, &triangles)
 }
 
+/// The part of a ball that is not above a height.
+pub(crate) fn bowl(height: f64) -> TriMesh {
+    let mut ball = ball(40);
+    let is_kept = |t: &[u32; 3]| ball.corners(*t).iter().all(|c| c[2] <= height);
+    let kept = ball.triangles.iter().copied().filter(is_kept).collect();
+    ball.triangles = kept;
+    ball
+}
+
+/// A ball without some of its triangles, others turned or twice there.
+pub(crate) fn broken() -> TriMesh {
+    let mut mesh = ball(14);
+    let mut chance = Chance(11);
+    let all = std::mem::take(&mut mesh.triangles);
+    for mut triangle in all {
+        match chance.below(9) {
+            0 => continue,
+            1 => triangle.swap(0, 1),
+            2 => mesh.triangles.push(triangle),
+            _ => {}
+        }
+        mesh.triangles.push(triangle);
+    }
+    mesh
+}
+
 /// The same mesh with each vertex elsewhere.
 pub(crate) fn moved(all: &TriMesh, by: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
     mesh(&all.positions.iter().map(by).collect::<Vec<_>>(), &all.triangles)

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! A [`MeshSolid`] is what a mesh bounds, however broken the mesh is: it knows the distance of its surface and on which
-//! side a point is. [`voxelize`] makes a volume of it.
+//! side a point is. [`voxelize`] makes a volume of it; on a lattice it is [`PlacedMesh`], a field too.
 
 mod around;
 mod bvh;
@@ -25,6 +25,7 @@ mod formula;
 mod kit;
 mod mesh_solid;
 mod placed;
+mod placed_mesh;
 mod repair;
 mod shape;
 mod tape;
@@ -36,6 +37,7 @@ pub use distance::Part;
 pub use formula::{Formula, FormulaError};
 pub use mesh_solid::{Closest, Flaws, Inside, MeshSolid, SolidError, SolidOptions, Winding};
 pub use placed::Placed;
+pub use placed_mesh::PlacedMesh;
 pub use shape::{
     Array, Combination, Model, PeriodicSurface, Region, Shape, ShapeError, ShapeFault, Solid,
 };

@@ -242,6 +242,10 @@ impl MeshSolid {
         &self.bvh
     }
 
+    pub(crate) fn windings(&self) -> &Windings {
+        &self.windings
+    }
+
     /// Of a point where it is computed; the facet and how it is near.
     pub(crate) fn nearest(&self, point: [f64; 3]) -> Option<(u32, Near)> {
         if !point.iter().all(|c| c.is_finite()) {
@@ -264,6 +268,22 @@ impl MeshSolid {
             let (winding, _) = self.windings.at(&self.bvh, point, 0.0);
             self.half(winding) >= 0.0
         })
+    }
+
+    /// Which of the two sides of a face are inside, above it and below, at a point on some facets that lie in one place: these,
+    /// and how often they count together, as those do that are wound like the face.
+    pub(crate) fn sides(&self, point: [f64; 3], facets: &[u32], count: f64) -> [bool; 2] {
+        let mut search = Search::without(facets, &self.windings, &self.bvh, point);
+        let mut halves = [0.0; 2];
+        for limit in LIMITS {
+            let (winding, error) = search.open(limit);
+            // The surface is seen under half of all directions from either side, and counts from below.
+            halves = [-0.5, 0.5].map(|half| self.half(winding + half * count));
+            if halves.iter().all(|half| half.abs() > error) {
+                break;
+            }
+        }
+        halves.map(|half| half >= 0.0)
     }
 
     /// Whether a point is inside, and all others around it where the winding number differs by no more than `change`; none

@@ -76,7 +76,7 @@ impl From<Cancelled> for VoxelError {
 }
 
 /// Samples along one side of a block.
-const BLOCK: usize = 16;
+pub(crate) const BLOCK: usize = 16;
 
 /// Boxes that a block's samples start from, at most.
 const ROOTS: usize = 48;
@@ -122,7 +122,7 @@ pub(crate) fn half_diagonal(index_to_world: &Affine) -> f64 {
 }
 
 /// Samples that are to be found.
-struct Lattice<'a> {
+pub(crate) struct Lattice<'a> {
     solid: &'a MeshSolid,
     index_to_world: Affine,
     dims: [usize; 3],
@@ -133,7 +133,7 @@ struct Lattice<'a> {
 }
 
 impl<'a> Lattice<'a> {
-    fn new(solid: &'a MeshSolid, grid: &Grid, options: &VoxelOptions) -> Self {
+    pub(crate) fn new(solid: &'a MeshSolid, grid: &Grid, options: &VoxelOptions) -> Self {
         let index_to_world = grid.frame.index_to_world;
         let grown = match options.walls {
             Walls::AsTheyAre => 0.0,
@@ -146,6 +146,14 @@ impl<'a> Lattice<'a> {
         // So that steps between samples that are farther from the surface can be told from those that cross it.
         let band = band.max(half_diagonal(&index_to_world) * 1.001);
         Self { solid, index_to_world, dims: grid.dims().map(|n| n as usize), band, grown }
+    }
+
+    /// The distances of a block of no more than 16³ samples with their signs, x fastest, in world units; none is farther from 0
+    /// than the band.
+    pub(crate) fn block(&self, from: [usize; 3], size: [usize; 3]) -> Vec<f64> {
+        let mut distances = distances(self, from, size);
+        Sides::new(self, from, size, &mut distances).decide();
+        distances
     }
 
     /// Where a sample is, as the solid computes.
@@ -171,11 +179,8 @@ fn sampled<T: Copy + Default + Send + Sync>(
             job.check()?;
             let from = [n % across * BLOCK, n / across * BLOCK, z * BLOCK];
             let size = [0, 1, 2].map(|k| BLOCK.min(lattice.dims[k] - from[k]));
-            let found = exactly(|| {
-                let mut distances = distances(lattice, from, size);
-                Sides::new(lattice, from, size, &mut distances).decide();
-                distances.into_iter().map(&sample).collect::<Vec<T>>()
-            });
+            let found =
+                exactly(|| lattice.block(from, size).into_iter().map(&sample).collect::<Vec<T>>());
             job.progress.advance(1);
             Ok((from, size, found))
         };
@@ -281,7 +286,7 @@ fn roots(lattice: &Lattice<'_>, from: [usize; 3], size: [usize; 3]) -> Option<Ve
 }
 
 /// How far the corners of a box of index space are from its middle, of half the sides.
-fn farthest(index_to_world: &Affine, [x, y, z]: [f64; 3]) -> f64 {
+pub(crate) fn farthest(index_to_world: &Affine, [x, y, z]: [f64; 3]) -> f64 {
     let ways = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
     let long =
         ways.map(|[b, c]| isokit_geom::vector::length(index_to_world.vector([x, b * y, c * z])));

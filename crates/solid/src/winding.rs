@@ -58,6 +58,11 @@ impl Windings {
         Self { moments, weights }
     }
 
+    /// How often a facet counts.
+    pub(crate) fn weight(&self, facet: u32) -> f64 {
+        self.weights[facet as usize]
+    }
+
     /// The winding number at a point, within an allowance, and a bound of the error. An allowance of 0: the plain sum.
     pub(crate) fn at(&self, bvh: &Bvh, point: [f64; 3], allowance: f64) -> (f64, f64) {
         let (mut sum, mut error) = (0.0, 0.0);
@@ -106,6 +111,8 @@ pub(crate) struct Search<'a> {
     windings: &'a Windings,
     bvh: &'a Bvh,
     point: [f64; 3],
+    /// Facets that do not count.
+    left_out: &'a [u32],
     /// Of the triangles that were looked at one by one.
     seen: Turns,
     /// What stands for all others.
@@ -122,8 +129,18 @@ struct Far {
 
 impl<'a> Search<'a> {
     pub(crate) fn new(windings: &'a Windings, bvh: &'a Bvh, point: [f64; 3]) -> Self {
+        Self::without(&[], windings, bvh, point)
+    }
+
+    /// Without some facets that go through the point; so near they are never taken together with others.
+    pub(crate) fn without(
+        left_out: &'a [u32],
+        windings: &'a Windings,
+        bvh: &'a Bvh,
+        point: [f64; 3],
+    ) -> Self {
         let all = Far { at: 0, angle: 0.0, wrong: f64::INFINITY };
-        Self { windings, bvh, point, seen: Turns::default(), far: vec![all] }
+        Self { windings, bvh, point, left_out, seen: Turns::default(), far: vec![all] }
     }
 
     /// Opens boxes until none is wrong by more than a limit; the winding number as it is known then, and a bound of its error.
@@ -148,7 +165,11 @@ impl<'a> Search<'a> {
                         }
                     }
                     Below::Facets(facets) => {
-                        for n in facets.filter(|&n| self.windings.weights[n] != 0.0) {
+                        let counts = |n: &usize| {
+                            self.windings.weights[*n] != 0.0
+                                && !self.left_out.contains(&(*n as u32))
+                        };
+                        for n in facets.filter(counts) {
                             let seen = seen(&self.bvh.facets()[n], self.point);
                             self.seen.turn(seen, self.windings.weights[n]);
                         }

@@ -1,7 +1,7 @@
 //! Distances and windings of meshes that are known, of chance, and of broken ones.
 
 use super::{Inside, MeshSolid, SolidError, SolidOptions, Winding};
-use crate::kit::{Chance, ball, cube, mesh, moved, turned};
+use crate::kit::{Chance, ball, bowl, cube, mesh, moved, turned};
 use isokit_geom::vector::{cross, dot, length, sub};
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
@@ -130,15 +130,6 @@ fn windings_of_parts_add_up() {
         let sum = a.winding(p, 0.0) + b.winding(p, 0.0);
         assert!((both.winding(p, 0.0) - sum).abs() < 1e-9);
     }
-}
-
-/// The part of a ball that is not above a height.
-fn bowl(height: f64) -> TriMesh {
-    let mut ball = ball(40);
-    let is_kept = |t: &[u32; 3]| ball.corners(*t).iter().all(|c| c[2] <= height);
-    let kept = ball.triangles.iter().copied().filter(is_kept).collect();
-    ball.triangles = kept;
-    ball
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{VoxelError, VoxelMode, VoxelOptions, Walls, half_diagonal, voxelize};
 use crate::{
     MeshSolid, SolidOptions, Winding,
-    kit::{Chance, ball, cube, moved, threads, turned},
+    kit::{Chance, ball, broken, cube, moved, threads, turned},
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Limits};
@@ -48,23 +48,6 @@ fn points(grid: &Grid) -> Vec<[f64; 3]> {
     let [nx, ny, nz] = grid.dims();
     let all = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
     all.map(|ijk| grid.frame.index_to_world.point(ijk.map(|c| c as f64))).collect()
-}
-
-/// A ball without some of its triangles, others turned or twice there.
-fn broken() -> TriMesh {
-    let mut mesh = ball(14);
-    let mut chance = Chance(11);
-    let all = std::mem::take(&mut mesh.triangles);
-    for mut triangle in all {
-        match chance.below(9) {
-            0 => continue,
-            1 => triangle.swap(0, 1),
-            2 => mesh.triangles.push(triangle),
-            _ => {}
-        }
-        mesh.triangles.push(triangle);
-    }
-    mesh
 }
 
 #[test]
