@@ -55,6 +55,16 @@ pub(crate) struct Near {
     /// What leads from there to the point that was asked about.
     pub(crate) away: [f64; 3],
     pub(crate) part: Part,
+    /// How much of the first edge and of the third leads there from the corner they have in common.
+    along: [f64; 2],
+}
+
+impl Near {
+    /// How much of each corner is in it; together 1.
+    pub(crate) fn shares(&self) -> [f64; 3] {
+        let [first, third] = self.along;
+        [(1.0 - first - third).max(0.0), first, third]
+    }
 }
 
 /// To the bit what sixteen points at once are told.
@@ -66,12 +76,12 @@ pub(crate) fn near(point: [f64; 3], facet: &Facet) -> Near {
         if !(a < 0.0 || b < 0.0 || 1.0 < a + b) {
             let height = dot(v, *normal);
             let away = normal.map(|c| c * height);
-            return Near { squared: height * height, away, part: Part::Face };
+            return Near { squared: height * height, away, part: Part::Face, along: [a, b] };
         }
     }
     let across = sub(*third, *first);
     let w = sub(v, *first);
-    let to_edge = |from: [f64; 3], edge: [f64; 3], share: f64| {
+    let to_edge = |from: [f64; 3], edge: [f64; 3], share: f64, place: fn(f64) -> [f64; 2]| {
         let along = (dot(from, edge) * share).clamp(0.0, 1.0);
         let away = [0, 1, 2].map(|k| from[k] - along * edge[k]);
         let is_within = along > 0.0 && along < 1.0;
@@ -79,12 +89,12 @@ pub(crate) fn near(point: [f64; 3], facet: &Facet) -> Near {
             true => Part::Edge(edge.map(|c| c * share.sqrt())),
             false => Part::Corner,
         };
-        Near { squared: dot(away, away), away, part }
+        Near { squared: dot(away, away), away, part, along: place(along) }
     };
     let all = [
-        to_edge(v, *first, shares[0]),
-        to_edge(v, *third, shares[1]),
-        to_edge(w, across, shares[2]),
+        to_edge(v, *first, shares[0], |along| [along, 0.0]),
+        to_edge(v, *third, shares[1], |along| [0.0, along]),
+        to_edge(w, across, shares[2], |along| [1.0 - along, along]),
     ];
     all.into_iter().reduce(|a, b| if b.squared < a.squared { b } else { a }).unwrap_or(all[0])
 }

@@ -15,7 +15,8 @@
 //! ```
 //!
 //! A [`MeshSolid`] is what a mesh bounds, however broken the mesh is: it knows the distance of its surface and on which
-//! side a point is. [`voxelize`] makes a volume of it; on a lattice it is [`PlacedMesh`], a field too.
+//! side a point is. [`voxelize`] makes a volume of it, [`voxelize_with_colors`] another one of the colours of the mesh; on a
+//! lattice it is [`PlacedMesh`], a field too.
 
 mod around;
 mod bvh;
@@ -24,6 +25,7 @@ mod formula;
 #[cfg(test)]
 mod kit;
 mod mesh_solid;
+mod paint;
 mod placed;
 mod placed_mesh;
 mod repair;
@@ -41,7 +43,7 @@ pub use placed_mesh::PlacedMesh;
 pub use shape::{
     Array, Combination, Model, PeriodicSurface, Region, Shape, ShapeError, ShapeFault, Solid,
 };
-pub use voxelize::{VoxelError, VoxelMode, VoxelOptions, Walls, voxelize};
+pub use voxelize::{VoxelError, VoxelMode, VoxelOptions, Walls, voxelize, voxelize_with_colors};
 
 #[cfg(test)]
 mod chance;

@@ -3,13 +3,14 @@
 use crate::{
     bvh::Bvh,
     distance::{Near, Part, near},
+    paint::Paint,
     repair::{Repaired, repaired},
     winding::{Rim, Search, Windings},
 };
 use isokit_geom::Aabb;
 use isokit_job::{Job, Stopped};
 use isokit_lanes::exactly;
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Rgba, TriMesh};
 
 /// Why a mesh encloses nothing that can be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,6 +43,14 @@ pub enum SolidError {
         /// Counted from 0.
         vertex: u32,
         /// How many there are.
+        vertices: usize,
+    },
+    /// Vertices and their colours do not go together.
+    #[error("the mesh has {colors} colours for {vertices} vertices")]
+    Colors {
+        /// How many colours there are.
+        colors: usize,
+        /// How many vertices.
         vertices: usize,
     },
     /// It was stopped.
@@ -105,6 +114,7 @@ pub struct MeshSolid {
     rim: Option<Rim>,
     inside: Inside,
     flaws: Flaws,
+    paint: Option<Paint>,
 }
 
 /// The nearest point of a surface.
@@ -118,6 +128,8 @@ pub struct Closest {
     pub distance: f64,
     /// What of the triangle it is on.
     pub part: Part,
+    /// How much of each corner of the triangle is in it: its barycentric coordinates, none below 0, which add up to 1.
+    pub shares: [f64; 3],
     /// The triangle's normal, one long; none if it has no area.
     pub normal: Option<[f64; 3]>,
 }
@@ -155,12 +167,12 @@ impl Place {
 const LIMITS: [f64; 6] = [4e-3, 5e-4, 6e-5, 8e-6, 1e-6, 0.0];
 
 impl MeshSolid {
-    /// The solid that a mesh encloses.
+    /// The solid that a mesh encloses. If vertices have colours, its surface has them too.
     ///
     /// # Errors
     ///
-    /// If it has no triangles, or a triangle whose corners are no places; if it is larger than the job allows, or the job is
-    /// cancelled.
+    /// If it has no triangles, or a triangle whose corners are no places, or not a colour for each vertex; if it is larger than
+    /// the job allows, or the job is cancelled.
     pub fn new(mesh: &TriMesh, options: SolidOptions, job: &Job) -> Result<Self, SolidError> {
         let Repaired { triangles, weights, rim, flaws } =
             exactly(|| repaired(mesh, options.winding, job))?;
@@ -180,7 +192,8 @@ impl MeshSolid {
                 (bvh, windings, Rim::new(&edges))
             })
         });
-        Ok(Self { bounds, place, bvh, windings, rim, inside: options.inside, flaws })
+        let paint = Paint::of(mesh, bvh.triangles(), job)?;
+        Ok(Self { bounds, place, bvh, windings, rim, inside: options.inside, flaws, paint })
     }
 
     /// What was found wrong with the mesh.
@@ -209,8 +222,20 @@ impl MeshSolid {
                 triangle: self.bvh.triangles()[number as usize],
                 distance: found.squared.sqrt() * scale,
                 part: found.part,
+                shares: found.shares(),
                 normal: facet.has_area.then_some(facet.normal),
             })
+        })
+    }
+
+    /// The colour of the nearest point of the surface: those of the triangle's corners, mixed by
+    /// [`shares`](Closest::shares), each of the four numbers on its own as it is kept, and rounded. None of a point that is
+    /// not finite, or if vertices have no colours.
+    pub fn color(&self, xyz: [f64; 3]) -> Option<Rgba> {
+        let paint = self.paint.as_ref()?;
+        exactly(|| {
+            let (number, found) = self.nearest(self.place.inward(xyz))?;
+            Some(paint.mixed(number, found.shares()))
         })
     }
 
@@ -236,6 +261,10 @@ impl MeshSolid {
 
     pub(crate) fn place(&self) -> Place {
         self.place
+    }
+
+    pub(crate) fn paint(&self) -> Option<&Paint> {
+        self.paint.as_ref()
     }
 
     pub(crate) fn bvh(&self) -> &Bvh {

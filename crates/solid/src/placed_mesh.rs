@@ -220,7 +220,7 @@ impl ScalarField for PlacedMesh<'_> {
                 let low = [x, y, z];
                 let size = [0, 1, 2].map(|k| BLOCK.min(points[k].len() - low[k]));
                 let from = [0, 1, 2].map(|k| points[k].start + low[k]);
-                let found = exactly(|| lattice.block(from, size));
+                let (found, _) = exactly(|| lattice.block(from, size));
                 for (n, row) in found.chunks_exact(size[0]).enumerate() {
                     let first = ((z + n / size[1]) * ny + y + n % size[1]) * nx + x;
                     values[first..first + size[0]].copy_from_slice(row);

@@ -5,9 +5,12 @@
 //! what was nearest to the sixteen before them. Which side samples are on is found once for all that are joined by steps
 //! that cannot cross the surface (the module `sides`).
 
+mod colors;
 mod sides;
 
-use crate::{MeshSolid, bvh::Below, bvh::squared_to_box};
+pub use colors::voxelize_with_colors;
+
+use crate::{MeshSolid, bvh::Below, bvh::squared_to_box, paint::Paint};
 use isokit_geom::Affine;
 use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{COMPANY, Company, exactly};
@@ -39,6 +42,15 @@ pub struct VoxelOptions {
     pub walls: Walls,
 }
 
+impl VoxelOptions {
+    fn check(&self) -> Result<(), VoxelError> {
+        match self.band {
+            Some(band) if band.is_nan() || band <= 0.0 => Err(VoxelError::Band(band)),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// What becomes of walls that are thinner than samples are apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walls {
@@ -58,6 +70,9 @@ pub enum VoxelError {
     /// The caller's fault.
     #[error("a band is wider than 0, found {0}")]
     Band(f64),
+    /// There are no colours to be told.
+    #[error("the mesh has no colours of vertices")]
+    NoColors,
     /// It was stopped.
     #[error(transparent)]
     Stopped(#[from] Stopped),
@@ -96,19 +111,29 @@ pub fn voxelize(
     options: &VoxelOptions,
     job: &Job,
 ) -> Result<AnyVolume, VoxelError> {
-    if let Some(band) = options.band.filter(|&band| band.is_nan() || band <= 0.0) {
-        return Err(VoxelError::Band(band));
-    }
+    options.check()?;
     let lattice = Lattice::new(solid, &grid, options);
-    match options.mode {
+    volume(&lattice, grid, options.mode, &mut [], job)
+}
+
+/// All samples, from distances; `colors` has room for as many bytes as their colours have, none if there are to be none.
+fn volume(
+    lattice: &Lattice<'_>,
+    grid: Grid,
+    mode: VoxelMode,
+    colors: &mut [u8],
+    job: &Job,
+) -> Result<AnyVolume, VoxelError> {
+    match mode {
         VoxelMode::Distance => {
-            let band = options.band.unwrap_or(f64::INFINITY);
-            let sample = |distance: f64| (distance + lattice.grown).clamp(-band, band) as f32;
-            let samples = sampled(&lattice, job, sample)?;
+            let told = lattice.told;
+            let sample = |distance: f64| (distance + lattice.grown).clamp(-told, told) as f32;
+            let samples = sampled(lattice, sample, colors, job)?;
             Ok(Volume::new(grid, samples).expect("one sample for each point").into())
         }
         VoxelMode::Occupancy => {
-            let samples = sampled(&lattice, job, |d| u8::from(d + lattice.grown >= 0.0))?;
+            let sample = |distance: f64| u8::from(distance + lattice.grown >= 0.0);
+            let samples = sampled(lattice, sample, colors, job)?;
             Ok(Volume::new(grid, samples).expect("one sample for each point").into())
         }
     }
@@ -128,32 +153,39 @@ pub(crate) struct Lattice<'a> {
     dims: [usize; 3],
     /// Farther than this nothing is looked for, in world units.
     band: f64,
+    /// Farther than this distances are not told, once `grown` is added.
+    told: f64,
     /// What is added to distances.
     grown: f64,
+    /// The colours that samples get; none if they are to get none.
+    paint: Option<&'a Paint>,
 }
 
 impl<'a> Lattice<'a> {
     pub(crate) fn new(solid: &'a MeshSolid, grid: &Grid, options: &VoxelOptions) -> Self {
+        let told = options.band.unwrap_or(f64::INFINITY);
         let index_to_world = grid.frame.index_to_world;
         let grown = match options.walls {
             Walls::AsTheyAre => 0.0,
             Walls::Kept => half_diagonal(&index_to_world),
         };
         let band = match options.mode {
-            VoxelMode::Distance => options.band.unwrap_or(f64::INFINITY) + grown,
+            VoxelMode::Distance => told + grown,
             VoxelMode::Occupancy => 0.0,
         };
         // So that steps between samples that are farther from the surface can be told from those that cross it.
         let band = band.max(half_diagonal(&index_to_world) * 1.001);
-        Self { solid, index_to_world, dims: grid.dims().map(|n| n as usize), band, grown }
+        let dims = grid.dims().map(|n| n as usize);
+        Self { solid, index_to_world, dims, band, told, grown, paint: None }
     }
 
-    /// The distances of a block of no more than 16³ samples with their signs, x fastest, in world units; none is farther from 0
-    /// than the band.
-    pub(crate) fn block(&self, from: [usize; 3], size: [usize; 3]) -> Vec<f64> {
-        let mut distances = distances(self, from, size);
+    /// The distances of a block of no more than 16³ samples with their signs, x fastest, in world units, of which none is
+    /// farther from 0 than the band; and the bytes of the colours.
+    pub(crate) fn block(&self, from: [usize; 3], size: [usize; 3]) -> (Vec<f64>, Vec<u8>) {
+        let Nearest { mut distances, facets } = nearest(self, from, size);
+        let colors = colors::of_block(self, from, size, &facets);
         Sides::new(self, from, size, &mut distances).decide();
-        distances
+        (distances, colors)
     }
 
     /// Where a sample is, as the solid computes.
@@ -163,54 +195,80 @@ impl<'a> Lattice<'a> {
     }
 }
 
-/// All samples of a lattice, from their distances with a sign.
+/// All samples of a lattice, from their distances with a sign; and their colours, if there is room for them.
 fn sampled<T: Copy + Default + Send + Sync>(
     lattice: &Lattice<'_>,
-    job: &Job,
     sample: impl Fn(f64) -> T + Sync,
+    colors: &mut [u8],
+    job: &Job,
 ) -> Result<Vec<T>, VoxelError> {
     let [nx, ny, nz] = lattice.dims;
     let count = (nx as u64).checked_mul(ny as u64).and_then(|n| n.checked_mul(nz as u64));
     let mut samples: Vec<T> = job.limits.zeroed("the volume", count)?;
     let [across, up, deep] = lattice.dims.map(|n| n.div_ceil(BLOCK));
     job.progress.begin("voxelize", (across * up * deep) as u64);
-    for (z, slab) in samples.chunks_mut(nx * ny * BLOCK).enumerate() {
+    for z in 0..deep {
         let block = |n: usize| {
             job.check()?;
             let from = [n % across * BLOCK, n / across * BLOCK, z * BLOCK];
             let size = [0, 1, 2].map(|k| BLOCK.min(lattice.dims[k] - from[k]));
-            let found =
-                exactly(|| lattice.block(from, size).into_iter().map(&sample).collect::<Vec<T>>());
+            let found = exactly(|| {
+                let (distances, colors) = lattice.block(from, size);
+                (distances.into_iter().map(&sample).collect::<Vec<T>>(), colors)
+            });
             job.progress.advance(1);
             Ok((from, size, found))
         };
         let blocks = job.threads.run(|| {
             (0..across * up).into_par_iter().map(block).collect::<Result<Vec<_>, Cancelled>>()
         })?;
-        for (from, size, found) in blocks {
-            for (row, found) in found.chunks_exact(size[0]).enumerate() {
-                let [y, z] = [from[1] + row % size[1], row / size[1]];
-                let first = (z * ny + y) * nx + from[0];
-                slab[first..first + size[0]].copy_from_slice(found);
-            }
+        for (from, size, (found, of_found)) in blocks {
+            put(&mut samples, lattice.dims, (from, size), &found);
+            put(colors, lattice.dims, (from, size), &of_found);
         }
     }
     Ok(samples)
 }
 
-/// The distances of a block, x fastest, in world units; none is above the band.
-fn distances(lattice: &Lattice<'_>, from: [usize; 3], size: [usize; 3]) -> Vec<f64> {
+/// Puts what was found for a block, so many items for each sample as there are, among what all samples have.
+fn put<T: Copy>(
+    all: &mut [T],
+    [nx, ny, _]: [usize; 3],
+    (from, size): ([usize; 3], [usize; 3]),
+    found: &[T],
+) {
+    let each = found.len() / size.iter().product::<usize>();
+    if each == 0 {
+        return;
+    }
+    for (row, found) in found.chunks_exact(each * size[0]).enumerate() {
+        let [y, z] = [from[1] + row % size[1], from[2] + row / size[1]];
+        let first = each * ((z * ny + y) * nx + from[0]);
+        all[first..first + found.len()].copy_from_slice(found);
+    }
+}
+
+/// What is nearest to the samples of a block, x fastest.
+struct Nearest {
+    /// How far it is, in world units; none is above the band.
+    distances: Vec<f64>,
+    /// Which facet it is; [`NONE`] where there is none within the band.
+    facets: Vec<u32>,
+}
+
+/// No facet.
+const NONE: u32 = u32::MAX;
+
+fn nearest(lattice: &Lattice<'_>, from: [usize; 3], size: [usize; 3]) -> Nearest {
     let solid = lattice.solid;
     let scale = solid.place().scale();
     let mut distances = vec![lattice.band; size.iter().product()];
+    let mut facets = vec![NONE; distances.len()];
     let band = lattice.band / scale;
-    let Some(roots) = roots(lattice, from, size) else { return distances };
+    let Some(roots) = roots(lattice, from, size) else { return Nearest { distances, facets } };
     let tree = solid.bvh().tree();
-    let mut company = Company {
-        points: [[0.0; COMPANY]; 3],
-        squared: [0.0; COMPANY],
-        facet: [u32::MAX; COMPANY],
-    };
+    let mut company =
+        Company { points: [[0.0; COMPANY]; 3], squared: [0.0; COMPANY], facet: [NONE; COMPANY] };
     let (mut likely, mut known) = ([0; 4], 0);
     let steps = [4, 2, 2];
     let packs = [0, 1, 2].map(|k| size[k].div_ceil(steps[k]));
@@ -227,21 +285,23 @@ fn distances(lattice: &Lattice<'_>, from: [usize; 3], size: [usize; 3]) -> Vec<f
             (0..3).for_each(|k| company.points[k][lane] = point[k]);
         }
         company.squared = [band * band; COMPANY];
-        company.facet = [u32::MAX; COMPANY];
+        company.facet = [NONE; COMPANY];
         tree.find(&roots, &likely[..known], &mut company);
         known = 0;
         for lane in 0..COMPANY {
             let facet = company.facet[lane];
-            if facet != u32::MAX && known < likely.len() && !likely[..known].contains(&facet) {
+            if facet != NONE && known < likely.len() && !likely[..known].contains(&facet) {
                 likely[known] = facet;
                 known += 1;
             }
             let [i, j, k] = at(lane);
+            let sample = (k * size[1] + j) * size[0] + i;
             let distance = company.squared[lane].sqrt() * scale;
-            distances[(k * size[1] + j) * size[0] + i] = distance.min(lattice.band);
+            distances[sample] = distance.min(lattice.band);
+            facets[sample] = facet;
         }
     }
-    distances
+    Nearest { distances, facets }
 }
 
 /// The first sample of a pack; packs that follow each other are neighbours.

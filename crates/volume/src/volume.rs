@@ -58,6 +58,11 @@ impl<T: Sample> Volume<T> {
         &self.samples
     }
 
+    /// The stored samples alone.
+    pub fn into_samples(self) -> Vec<T> {
+        self.samples
+    }
+
     /// All of it, borrowed.
     pub fn view(&self) -> View<'_, T> {
         let view = View::new(&self.samples, &self.grid).expect("one sample per lattice point");
