@@ -14,10 +14,12 @@
 //! | raw | as described by [`RawLayout`] | samples, x fastest |
 //!
 //! One layer of gzip or bzip2 around any of them is taken off. Of vectors of three numbers a
-//! [`Quantity`] is read, if one is asked for. Samples of 64-bit integers, half floats, complex numbers,
+//! [`Quantity`] is read, if one is asked for; three or four bytes per sample, of NRRD and MetaImage, are read as colours
+//! by [`open_colors`], and written as NRRD. Samples of 64-bit integers, half floats, complex numbers, other
 //! colours and other vectors are refused by name.
 
 mod bricks;
+mod colors;
 mod files;
 mod metaimage;
 mod nifti;
@@ -32,11 +34,15 @@ mod vectors;
 mod write;
 
 pub use bricks::{BrickFile, NoBricks};
+pub use colors::{ColorFile, open_colors};
 pub use open::{VolumeFile, open_volume, read_volume};
 pub use slices::FileSlices;
-pub use write::{volume_files, write_volume};
+pub use write::{
+    Prepared, prepare_colors, prepare_volume, volume_files, write_colors, write_volume,
+};
 
 use crate::{Endian, Format, ReadFault};
+use colors::Colored;
 use isokit_geom::vector::Vector;
 use isokit_geom::{Affine, Space, Unit};
 use isokit_volume::{AnyVolume, Dtype, Quantity, Scaling};
@@ -101,6 +107,8 @@ struct Described {
     sample_unit: Option<String>,
     /// Samples of three numbers, where the header says so.
     triples: Option<Triples>,
+    /// Samples of three or four bytes, where the header says so: colours, or bytes that may be some.
+    colored: Option<Colored>,
     /// What takes vectors as they are stored to the world, as columns; a fault only for who asks for vectors.
     to_world: Result<[Vector; 3], ReadFault>,
     notes: Vec<String>,

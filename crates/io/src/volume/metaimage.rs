@@ -6,6 +6,7 @@
 
 use super::{
     Described,
+    colors::Colored,
     files::DataFiles,
     place::{EXPECTED, completed},
     sample_feature,
@@ -99,8 +100,8 @@ impl Header {
         let volumes = sizes.get(3).copied().unwrap_or(1);
         let dtype = self.dtype()?;
         let dims = std::array::from_fn(|axis| sizes.get(axis).copied().unwrap_or(1));
-        let triples = self.triples(dims)?;
-        if triples.is_some() && volumes > 1 {
+        let (triples, colored) = self.channels(dims, dtype)?;
+        if (triples.is_some() || colored.is_some()) && volumes > 1 {
             return Err(self.need("DimSize")?.unsupported("several volumes of vectors"));
         }
         Ok(Described {
@@ -113,6 +114,7 @@ impl Header {
             scaling: Scaling::IDENTITY,
             stored: self.stored(path, dtype, &sizes)?,
             triples,
+            colored,
             to_world: Ok(ALONG_AXES),
             sample_unit: None,
             notes,
@@ -133,17 +135,24 @@ impl Header {
         Ok(sizes)
     }
 
-    /// Three channels are a vector.
-    fn triples(&self, dims: [u64; 3]) -> Result<Option<Triples>, ReadFault> {
-        let Some(field) = self.get(&["ElementNumberOfChannels"]) else { return Ok(None) };
+    /// Three channels are a vector; three or four of a byte each may be a colour.
+    fn channels(
+        &self,
+        dims: [u64; 3],
+        dtype: Dtype,
+    ) -> Result<(Option<Triples>, Option<Colored>), ReadFault> {
+        let Some(field) = self.get(&["ElementNumberOfChannels"]) else { return Ok((None, None)) };
         let what = format!("{} numbers per sample", field.value);
-        match field.number::<u64>("a number of channels")? {
-            1 => Ok(None),
+        let count = field.number::<u64>("a number of channels")?;
+        let colored = Colored::of(count, dims, dtype, &what);
+        match count {
+            1 => Ok((None, None)),
             3 => {
                 let fault = ReadFault::Caller(format!("{what}: {ADVICE}").into());
                 let (layout, fault) = (Layout::Together, Some(fault));
-                Ok(Some(Triples { layout, dims, fault, are_volumes: false }))
+                Ok((Some(Triples { layout, dims, fault, are_volumes: false }), colored))
             }
+            _ if colored.is_some() => Ok((None, colored)),
             _ => Err(field.unsupported(what)),
         }
     }

@@ -92,6 +92,7 @@ fn described(header: &Header<'_>, path: &Path) -> Result<Described, ReadFault> {
         scaling: scaling(header, &mut notes),
         stored: stored(header, path, dtype, &mut notes)?,
         triples,
+        colored: None,
         to_world: Ok(ALONG_AXES),
         sample_unit: None,
         notes,

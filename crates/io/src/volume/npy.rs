@@ -108,6 +108,7 @@ impl Header {
             space: Space::Unknown,
             scaling: Scaling::IDENTITY,
             stored: Stored { endian, order: self.order(dims, volumes)?, ..stored },
+            colored: None,
             triples: self.triples(dims, volumes)?,
             to_world: Ok(ALONG_AXES),
             sample_unit: None,

@@ -31,8 +31,8 @@ pub(super) fn describe(path: &Path) -> Result<Described, ReadError> {
 fn described(header: &Header, path: &Path) -> Result<Described, ReadFault> {
     let mut notes = vec![];
     let axes = axes::read(header)?;
-    let lattice = axes::lattice(header, &axes)?;
     let dtype = dtype(header.need("type")?)?;
+    let lattice = axes::lattice(header, &axes, dtype)?;
     let (affine, space, factors) = axes::place(header, &axes, &lattice, &mut notes)?;
     let stored = stored(header, path, dtype, &mut notes)?;
     if let Some((files, field, per_file)) = &header.files {
@@ -50,6 +50,7 @@ fn described(header: &Header, path: &Path) -> Result<Described, ReadFault> {
         stored,
         to_world: axes::vectors_to_world(header, factors),
         triples: lattice.triples,
+        colored: lattice.colored,
         sample_unit: sample_unit(header)?,
         notes,
     })

@@ -54,7 +54,12 @@ pub fn open_volume(
     options: &VolumeOptions,
     job: &Job,
 ) -> Result<VolumeFile, ReadError> {
-    let described = match options.raw {
+    describe(path, options)?.check(path, options, job)
+}
+
+/// What the header of a file says.
+pub(super) fn describe(path: &Path, options: &VolumeOptions) -> Result<Described, ReadError> {
+    match options.raw {
         Some(layout) => raw::describe(path, layout),
         None => match detect(path)? {
             Format::Nifti => nifti::describe(path),
@@ -67,14 +72,13 @@ pub fn open_volume(
                 Err(ReadFault::Caller(fault.into()).at(path))
             }
         },
-    }?;
-    described.check(path, options, job)
+    }
 }
 
 impl Described {
     /// What holds for every format: one volume chosen, a place in the world, and files as large as
     /// the header says.
-    fn check(
+    pub(super) fn check(
         self,
         path: &Path,
         options: &VolumeOptions,

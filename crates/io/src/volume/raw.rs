@@ -24,6 +24,7 @@ pub(super) fn describe(path: &Path, layout: RawLayout) -> Result<Described, Read
         space: Space::Unknown,
         scaling: Scaling::IDENTITY,
         stored: Stored { skip, endian: layout.endian, ends: true, ..stored },
+        colored: None,
         triples: None,
         to_world: Ok(ALONG_AXES),
         sample_unit: None,

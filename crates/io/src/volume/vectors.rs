@@ -4,7 +4,7 @@
 //! is read as one lattice three times as large, and three strided views of it are the components. A vector is along
 //! the axes of the world, or along those that the header says.
 
-use super::{Described, VolumeFile, VolumeOptions, stored::Order};
+use super::{Described, VolumeFile, VolumeOptions, colors::Colored, stored::Order};
 use crate::{ReadError, ReadFault};
 use isokit_geom::vector::Vector;
 use isokit_job::Job;
@@ -61,7 +61,11 @@ impl Described {
         mut self,
         options: &VolumeOptions,
     ) -> Result<(Self, Option<Wanted>), ReadFault> {
-        let triples = self.triples.take();
+        let (triples, colored) = (self.triples.take(), self.colored.take());
+        // Vectors of bytes may be colours too; what can only be colours is neither values nor vectors.
+        if let (None, Some(Colored { fault, .. })) = (&triples, colored) {
+            return Err(fault);
+        }
         let Some(quantity) = options.quantity else {
             let fault = triples.and_then(|triples| {
                 let is_volume = triples.are_volumes && options.volume_index.is_some();

@@ -8,7 +8,7 @@ use super::{nifti, npy, nrrd};
 use crate::{Output, WriteError, WriteFault};
 use flate2::{Compression, write::GzEncoder};
 use isokit_job::Job;
-use isokit_volume::{AnyVolume, Dtype, Sample, Volume, for_any};
+use isokit_volume::{AnyVolume, ColorVolume, Dtype, Grid, Sample, Volume, for_any};
 use std::{
     io::Write,
     path::{Path, PathBuf},
@@ -23,6 +23,20 @@ pub(super) enum Form {
     Values,
 }
 
+/// What a file is to hold.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Content<'a> {
+    Values(&'a AnyVolume),
+    Colors(&'a ColorVolume),
+}
+
+/// A volume that is written, but whose files do not have their names yet.
+///
+/// So of several volumes that belong together all are there, or none. Dropped, it is gone, and what stood under the names before
+/// still stands there.
+#[derive(Debug)]
+pub struct Prepared(Vec<Output>);
+
 /// Samples written between two looks at the cancel token.
 const PIECE: usize = 1 << 20;
 
@@ -36,16 +50,24 @@ const PIECE: usize = 1 << 20;
 ///
 /// If the name has another ending, if the file cannot be written, or if the job is cancelled.
 pub fn write_volume(path: &Path, volume: &AnyVolume, job: &Job) -> Result<(), WriteError> {
+    prepare_volume(path, volume, job)?.finish()
+}
+
+/// Writes `volume` as [`write_volume`] does, up to the names of its files.
+///
+/// # Errors
+///
+/// As [`write_volume`].
+pub fn prepare_volume(path: &Path, volume: &AnyVolume, job: &Job) -> Result<Prepared, WriteError> {
     let at = |fault: WriteFault| fault.at(path);
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let ends = |ending: &str| name.len() > ending.len() && name.ends_with(ending);
-    if ends(".nhdr") {
-        return nrrd::write_detached(path, volume, job);
+    if has_ending(path, ".nhdr") {
+        return nrrd::write_detached(path, Content::Values(volume), job).and_then(Prepared::new);
     }
+    let ends = |ending: &str| has_ending(path, ending);
     let write: fn(&mut Output, &AnyVolume, &Job) -> Result<(), WriteFault> = match () {
         () if ends(".nii.gz") => write_gzip,
         () if ends(".nii") => nifti::write,
-        () if ends(".nrrd") => nrrd::write,
+        () if ends(".nrrd") => |out, volume, job| nrrd::write(out, Content::Values(volume), job),
         () if ends(".npy") => npy::write,
         () if ends(".raw") => |out, volume, job| put_samples(out, volume, form(volume), job),
         () => {
@@ -55,7 +77,93 @@ pub fn write_volume(path: &Path, volume: &AnyVolume, job: &Job) -> Result<(), Wr
     };
     let mut out = Output::create(path)?;
     write(&mut out, volume, job).map_err(at)?;
-    out.finish()
+    Prepared::new(vec![out])
+}
+
+/// Writes colours in the format that the name of `path` ends in, up to the names of its files: `.nrrd`, or `.nhdr` with the
+/// samples in a `.raw` beside it. The numbers of a colour are beside each other, the axis that counts them is the first, and
+/// of the kind `RGB-color` or `RGBA-color`.
+///
+/// # Errors
+///
+/// If the name has another ending, if the file cannot be written, or if the job is cancelled.
+pub fn prepare_colors(
+    path: &Path,
+    colors: &ColorVolume,
+    job: &Job,
+) -> Result<Prepared, WriteError> {
+    let (at, content) = (|fault: WriteFault| fault.at(path), Content::Colors(colors));
+    match () {
+        () if has_ending(path, ".nhdr") => {
+            nrrd::write_detached(path, content, job).and_then(Prepared::new)
+        }
+        () if has_ending(path, ".nrrd") => {
+            let mut out = Output::create(path)?;
+            nrrd::write(&mut out, content, job).map_err(at)?;
+            Prepared::new(vec![out])
+        }
+        () => Err(at(WriteFault::Caller("colours are written as .nrrd or .nhdr".into()))),
+    }
+}
+
+/// Writes colours as [`prepare_colors`] does. The file appears when it is whole.
+///
+/// # Errors
+///
+/// As [`prepare_colors`].
+pub fn write_colors(path: &Path, colors: &ColorVolume, job: &Job) -> Result<(), WriteError> {
+    prepare_colors(path, colors, job)?.finish()
+}
+
+impl Prepared {
+    /// Files to be named in this order, once the system has taken all of them.
+    fn new(mut files: Vec<Output>) -> Result<Self, WriteError> {
+        for out in &mut files {
+            out.flush().map_err(|error| WriteFault::Io(error).at(out.path()))?;
+        }
+        Ok(Self(files))
+    }
+
+    /// Gives the files their names, a header last.
+    ///
+    /// # Errors
+    ///
+    /// If the system does not take what was written, or if it cannot be renamed.
+    pub fn finish(self) -> Result<(), WriteError> {
+        self.0.into_iter().try_for_each(Output::finish)
+    }
+}
+
+fn has_ending(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    name.len() > ending.len() && name.ends_with(ending)
+}
+
+impl Content<'_> {
+    pub(super) fn grid(&self) -> &Grid {
+        match self {
+            Self::Values(volume) => volume.grid(),
+            Self::Colors(colors) => colors.grid(),
+        }
+    }
+
+    /// All samples, x fastest, without a scaling.
+    pub(super) fn put(self, out: &mut impl Write, job: &Job) -> Result<(), WriteFault> {
+        match self {
+            Self::Values(volume) => put_samples(out, volume, form(volume), job),
+            Self::Colors(colors) => put_bytes(out, colors.samples(), job),
+        }
+    }
+}
+
+fn put_bytes(out: &mut impl Write, bytes: &[u8], job: &Job) -> Result<(), WriteFault> {
+    job.progress.begin("write", bytes.len() as u64);
+    for some in bytes.chunks(PIECE) {
+        job.check()?;
+        out.write_all(some)?;
+        job.progress.advance(some.len() as u64);
+    }
+    Ok(())
 }
 
 /// The files that [`write_volume`] makes for `path`, those beside it included.

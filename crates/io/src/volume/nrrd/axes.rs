@@ -3,10 +3,11 @@
 //! An axis is of space if it has a direction; without directions, unless its kind says otherwise. The
 //! first three of space are x, y, z. Axes after them count volumes. An axis before or between them
 //! means several numbers per sample, and is refused unless its size is 1, or it is the first, has size 3 and no kind
-//! but that of a vector.
+//! but that of a vector, or the size and kind of a colour in bytes.
 
 use super::{
     super::{
+        colors::Colored,
         place::{EXPECTED, completed},
         vectors::{ADVICE, ALONG_AXES, Layout, Triples},
     },
@@ -14,6 +15,7 @@ use super::{
 };
 use crate::{ReadFault, text::Field};
 use isokit_geom::{Affine, Space};
+use isokit_volume::Dtype;
 
 /// What the header says of one axis.
 pub(super) struct Axis {
@@ -31,6 +33,8 @@ pub(super) struct Lattice {
     pub(super) spatial: Vec<usize>,
     /// Samples of three numbers, where an axis says so.
     pub(super) triples: Option<Triples>,
+    /// Samples that are colours, or may be, where an axis says so.
+    pub(super) colored: Option<Colored>,
 }
 
 /// Whether an axis may count the components of a vector; where it must, it says so.
@@ -39,6 +43,17 @@ fn is_vector(axis: &Axis, must: bool) -> bool {
     let any = ["", "???", "none", "unknown", "list"];
     let kind = axis.kind.as_str();
     axis.size == 3 && (names.contains(&kind) || !must && any.contains(&kind))
+}
+
+/// Whether an axis may count the numbers of a colour.
+fn is_color(axis: &Axis) -> bool {
+    let kind = axis.kind.as_str();
+    let any = ["", "???", "none", "unknown", "list", "vector"];
+    any.contains(&kind)
+        || match axis.size {
+            3 => ["rgb-color", "3-color", "3-vector"].contains(&kind),
+            _ => ["rgba-color", "4-color", "4-vector"].contains(&kind),
+        }
 }
 
 /// As many axes as teem takes.
@@ -86,7 +101,7 @@ fn as_many(field: &Field, found: usize, count: usize) -> Result<(), ReadFault> {
     if found == count { Ok(()) } else { Err(field.broken(format!("{count} values, one per axis"))) }
 }
 
-pub(super) fn lattice(header: &Header, axes: &[Axis]) -> Result<Lattice, ReadFault> {
+pub(super) fn lattice(header: &Header, axes: &[Axis], dtype: Dtype) -> Result<Lattice, ReadFault> {
     let field = header.need("sizes")?;
     let with_directions = header.get("space directions").is_some();
     let is_spatial = |axis: &Axis| match with_directions {
@@ -106,7 +121,7 @@ pub(super) fn lattice(header: &Header, axes: &[Axis]) -> Result<Lattice, ReadFau
         let (fault, are_volumes) = (Some(ReadFault::Caller(says.into())), layout == Layout::Apart);
         Triples { layout, dims, fault, are_volumes }
     };
-    let (mut volumes, mut found) = (1_u64, None);
+    let (mut volumes, mut found, mut colored) = (1_u64, None, None);
     for (n, axis) in axes.iter().enumerate().filter(|(n, _)| !spatial.contains(n)) {
         if n > last {
             let product = volumes.checked_mul(axis.size);
@@ -114,21 +129,25 @@ pub(super) fn lattice(header: &Header, axes: &[Axis]) -> Result<Lattice, ReadFau
             if is_vector(axis, true) {
                 found = Some(triples(Layout::Apart, n));
             }
-        } else if n == 0 && is_vector(axis, false) {
+            continue;
+        }
+        let is_first = n == 0;
+        if is_first && is_color(axis) {
+            colored = Colored::of(axis.size, dims, dtype, &numbers(axis, n));
+        }
+        if is_first && is_vector(axis, false) {
             found = Some(triples(Layout::Together, n));
-        } else if axis.size > 1 {
+        } else if axis.size > 1 && !(is_first && colored.is_some()) {
             return Err(field.unsupported(numbers(axis, n)));
         }
     }
-    let triples = match found {
-        Some(Triples { layout: Layout::Together, .. }) if volumes > 1 => {
-            return Err(field.unsupported("several volumes of vectors"));
-        }
-        // Components of several volumes of vectors are a list of volumes, as others are.
-        Some(Triples { layout: Layout::Apart, .. }) if volumes > 3 => None,
-        found => found,
-    };
-    Ok(Lattice { dims, volumes, spatial, triples })
+    let is_together = |found: &Triples| found.layout == Layout::Together;
+    if volumes > 1 && (colored.is_some() || found.as_ref().is_some_and(is_together)) {
+        return Err(field.unsupported("several volumes of vectors"));
+    }
+    // Components of several volumes of vectors are a list of volumes, as others are.
+    let triples = found.filter(|_| volumes <= 3);
+    Ok(Lattice { dims, volumes, spatial, triples, colored })
 }
 
 /// What an axis counts that is none of space.

@@ -1,46 +1,49 @@
 //! NRRD with raw samples, attached or beside the header.
 
-use super::super::write::{dtype, form, put_samples};
+use super::super::write::{Content, dtype};
 use crate::{Output, WriteError, WriteFault};
 use isokit_geom::{Space, Unit};
 use isokit_job::Job;
-use isokit_volume::{AnyVolume, Dtype};
+use isokit_volume::{Channels, Dtype};
 use std::{fmt::Write as _, io::Write, path::Path};
 
 /// Header and samples in one file.
 pub(in super::super) fn write(
     out: &mut Output,
-    volume: &AnyVolume,
+    content: Content<'_>,
     job: &Job,
 ) -> Result<(), WriteFault> {
-    out.write_all(header(volume, None).as_bytes())?;
-    put_samples(out, volume, form(volume), job)
+    out.write_all(header(content, None).as_bytes())?;
+    content.put(out, job)
 }
 
-/// A header at `path` and samples in the `.raw` beside it, which gets its name first.
+/// A header at `path` and samples in the `.raw` beside it, which is to get its name first.
 pub(in super::super) fn write_detached(
     path: &Path,
-    volume: &AnyVolume,
+    content: Content<'_>,
     job: &Job,
-) -> Result<(), WriteError> {
+) -> Result<Vec<Output>, WriteError> {
     let data = path.with_extension("raw");
     let name = data.file_name().and_then(|name| name.to_str());
     let name = name.filter(|name| !name.contains(['\n', '\r']) && !name.contains('%'));
     let unnamed = "an NRRD header cannot hold this name (UTF-8, no line end, no %); use .nrrd";
     let name = name.ok_or_else(|| WriteFault::Caller(unnamed.into()).at(path))?;
     let mut samples = Output::create(&data)?;
-    put_samples(&mut samples, volume, form(volume), job).map_err(|fault| fault.at(&data))?;
+    content.put(&mut samples, job).map_err(|fault| fault.at(&data))?;
     let mut out = Output::create(path)?;
-    let header = header(volume, Some(name));
+    let header = header(content, Some(name));
     out.write_all(header.as_bytes()).map_err(|error| WriteFault::Io(error).at(path))?;
-    samples.finish()?;
-    out.finish()
+    Ok(vec![samples, out])
 }
 
-fn header(volume: &AnyVolume, data_file: Option<&str>) -> String {
-    let frame = volume.grid().frame;
+fn header(content: Content<'_>, data_file: Option<&str>) -> String {
+    let frame = content.grid().frame;
     let affine = frame.index_to_world;
-    let kind = match dtype(volume) {
+    let dtype = match content {
+        Content::Values(volume) => dtype(volume),
+        Content::Colors(_) => Dtype::U8,
+    };
+    let kind = match dtype {
         Dtype::U8 => "unsigned char",
         Dtype::I8 => "signed char",
         Dtype::U16 => "unsigned short",
@@ -55,14 +58,23 @@ fn header(volume: &AnyVolume, data_file: Option<&str>) -> String {
         Space::Lps => "space: left-posterior-superior",
         _ => "space dimension: 3",
     };
-    let [x, y, z] = volume.grid().dims();
+    // Of colours the first axis counts the numbers; it leads nowhere.
+    let (axes, first) = match content {
+        Content::Values(_) => (3, ["", "", ""]),
+        Content::Colors(colors) => match colors.channels() {
+            Channels::Rgb => (4, ["3 ", "none ", "RGB-color "]),
+            Channels::Rgba => (4, ["4 ", "none ", "RGBA-color "]),
+        },
+    };
+    let [size, nowhere, counted] = first;
+    let [x, y, z] = content.grid().dims();
     let directions = affine.columns().map(listed).join(" ");
     // Absent units would be read as millimetres.
     let unit = if frame.unit == Unit::Unknown { "unknown".into() } else { frame.unit.to_string() };
     let origin = listed(affine.origin());
     let mut header = format!(
-        "NRRD0004\ntype: {kind}\ndimension: 3\n{space}\nsizes: {x} {y} {z}\n\
-         space directions: {directions}\nkinds: domain domain domain\nendian: little\n\
+        "NRRD0004\ntype: {kind}\ndimension: {axes}\n{space}\nsizes: {size}{x} {y} {z}\n\
+         space directions: {nowhere}{directions}\nkinds: {counted}domain domain domain\nendian: little\n\
          encoding: raw\nspace origin: {origin}\n\
          space units: \"{unit}\" \"{unit}\" \"{unit}\"\n"
     );
