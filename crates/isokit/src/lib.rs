@@ -36,6 +36,7 @@
 //! | have samples farther from each other or nearer | [`pipeline::Scan::resampled`], [`field::resample`] |
 //! | ask a volume for values and derivatives between its samples, by any kernel | [`field::Convolved`] |
 //! | put solids together, by a file or in Rust | [`guide::shapes`], [`solid`] |
+//! | make a volume of a mesh, and one of its colours | [`solid::voxelize`], [`solid::voxelize_with_colors`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
 //! | make pictures of surfaces and of values | [`scene`], [`render`](mod@render) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |

@@ -11,7 +11,7 @@
 //! | or sample | [`sparse_meshes_into`] makes samples of a shape, or of another field, only near its surfaces |
 //! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
 //! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted; [`refine_on`] does it by another field than samples, and on its creases |
-//! | colour | [`Scan::attribute`] gives each vertex the value of another scan there |
+//! | colour | [`Scan::attribute`] gives each vertex the value of another scan there, [`Scan::attribute_colors`] the colour |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
 //!
 //! The program `isokit extract` is these steps and nothing else. A step reads no clock and prints nothing;

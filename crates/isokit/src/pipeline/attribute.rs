@@ -1,5 +1,7 @@
 //! The values of another scan at the vertices of a mesh.
 
+mod colors;
+
 use crate::pipeline::{PipelineError, Scan};
 use isokit_field::{Between, probe};
 use isokit_geom::{Affine, Frame, Space, vector::Vector};
@@ -49,30 +51,28 @@ impl Scan {
         between: Between,
         job: &Job,
     ) -> Result<Vec<f32>, PipelineError> {
-        let (way, vertices) = (self.way(other), mesh.positions.len());
-        let mut values: Vec<f32> = job.limits.vec("values of vertices", Some(vertices as u64))?;
-        job.progress.begin("probe", vertices as u64);
-        let chunks = for_any!(other.volume(), volume => {
+        let way = self.way(other.source_frame());
+        for_any!(other.volume(), volume => {
             let view = other.view(volume);
             // Sample numbers count from the first of the whole.
             let first = other.part().map(|range| range.start as f64);
-            in_chunks(vertices, job, |range| exactly(|| {
-                let value = |vertex: usize| {
-                    let ijk = way.index_of(mesh.positions.get(vertex));
-                    let ijk = std::array::from_fn(|k| ijk[k] - first[k]);
-                    let value = probe(&view, ijk, between).map(|value| value as f32);
-                    value.filter(|value| value.is_finite()).unwrap_or(f32::NAN)
-                };
-                range.map(value).collect::<Vec<f32>>()
-            }))
-        })?;
-        chunks.iter().for_each(|chunk| values.extend_from_slice(chunk));
-        Ok(values)
+            let value = |ijk: Vector| {
+                let ijk = std::array::from_fn(|k| ijk[k] - first[k]);
+                let value = probe(&view, ijk, between).map(|value| value as f32);
+                value.filter(|value| value.is_finite()).unwrap_or(f32::NAN)
+            };
+            at_vertices(mesh, &way, ("values of vertices", value), job)
+        })
     }
 
     /// What neither scan's file says of whether they are in one world, each a sentence for the user.
     pub fn differences(&self, other: &Self) -> Vec<String> {
-        let [here, there] = [self, other].map(|scan| scan.source_frame());
+        self.differences_from(other.source_frame())
+    }
+
+    /// The same of this scan and the frame that another file gives.
+    pub fn differences_from(&self, there: &Frame) -> Vec<String> {
+        let here = self.source_frame();
         let mut notes = vec![];
         let same = "they are taken to be the same";
         if here.space != there.space && [here.space, there.space].contains(&Space::Unknown) {
@@ -85,8 +85,8 @@ impl Scan {
         notes
     }
 
-    fn way(&self, other: &Self) -> Way {
-        let [here, there] = [self, other].map(|scan| scan.source_frame());
+    fn way(&self, there: &Frame) -> Way {
+        let here = self.source_frame();
         let is_turned = here.space != there.space
             && here.space != Space::Unknown
             && there.space != Space::Unknown;
@@ -102,6 +102,24 @@ impl Scan {
             other: there.index_to_world,
         }
     }
+}
+
+/// What there is of something, which has a name, at all vertices of a mesh.
+fn at_vertices<T: Copy + Send>(
+    mesh: &TriMesh,
+    way: &Way,
+    (what, at): (&'static str, impl Fn(Vector) -> T + Sync),
+    job: &Job,
+) -> Result<Vec<T>, PipelineError> {
+    let vertices = mesh.positions.len();
+    let mut all: Vec<T> = job.limits.vec(what, Some(vertices as u64))?;
+    job.progress.begin("probe", vertices as u64);
+    let chunks = in_chunks(vertices, job, |range| {
+        let one = |vertex: usize| at(way.index_of(mesh.positions.get(vertex)));
+        exactly(|| range.map(one).collect::<Vec<T>>())
+    })?;
+    chunks.iter().for_each(|chunk| all.extend_from_slice(chunk));
+    Ok(all)
 }
 
 /// The source of other samples that were made in the world `placed`, whose own source is `source`.

@@ -4,9 +4,9 @@ use crate::pipeline::{Region, Scan, SurfaceOptions, TargetSpace};
 use isokit_field::Between;
 use isokit_geom::{Affine, Frame, Space, Unit, vector::Vector};
 use isokit_job::{Job, Threads};
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Rgba, TriMesh};
 use isokit_refine::{RefineOptions, Subdivision};
-use isokit_volume::{Grid, Volume};
+use isokit_volume::{Channels, ColorVolume, Grid, Volume};
 use std::num::NonZeroUsize;
 
 /// Samples of a function of the world.
@@ -143,4 +143,52 @@ fn any_number_of_threads_gives_the_same_values() {
         values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
+}
+
+/// Colours that are linear in the world of RAS, on a lattice of LPS in metres.
+fn colors(channels: Channels) -> ColorVolume {
+    let step = 1e-3;
+    let columns = [[step, 0.0, 0.0], [0.0, step, 0.0], [0.0, 0.0, step]];
+    let frame = Frame { unit: Unit::Metre, ..frame(columns, [-0.02; 3], Space::Lps) };
+    let grid = Grid::new([41; 3], frame).unwrap();
+    let place = |n: u64| [n % 41, n / 41 % 41, n / 1681].map(|i| i as f64 - 20.0);
+    let color = |[x, y, z]: Vector| codes([-x, -y, z]).map(|code| code as u8);
+    let bytes = (0..grid.count()).flat_map(|n| color(place(n))[..channels.count()].to_vec());
+    ColorVolume::new(grid, channels, bytes.collect()).unwrap()
+}
+
+fn codes([x, y, z]: Vector) -> [f64; 4] {
+    [128.0 + 2.0 * x - y, 100.0 - 3.0 * z, 7.0, 90.0 + z]
+}
+
+#[test]
+fn linear_colours_are_exact_in_any_world() {
+    let (ball, job) = (ball(), Job::default());
+    for channels in [Channels::Rgb, Channels::Rgba] {
+        let colors = colors(channels);
+        assert_eq!(ball.differences_from(&colors.grid().frame), [""; 0]);
+        for (space, sign) in [(TargetSpace::Source, 1.0), (TargetSpace::Lps, -1.0)] {
+            let placed = ball.clone().placed(space).unwrap();
+            let mesh = mesh(&placed);
+            let found = placed.attribute_colors(&mesh, &colors, Between::Linear, &job).unwrap();
+            for (place, found) in mesh.positions.iter().zip(found) {
+                let Rgba(found) = found.unwrap();
+                let expected = codes([sign * place[0], sign * place[1], place[2]]);
+                let count = channels.count();
+                for (found, expected) in found.into_iter().zip(expected).take(count) {
+                    assert!((f64::from(found) - expected).abs() < 0.5 + 1e-3, "{place:?}");
+                }
+                assert!(count == 4 || found[3] == 255);
+            }
+        }
+    }
+}
+
+#[test]
+fn beyond_the_colours_there_is_none() {
+    let (ball, job) = (ball(), Job::default());
+    let grid = Grid::new([2; 3], ras()).unwrap();
+    let colors = ColorVolume::new(grid, Channels::Rgb, vec![9; 24]).unwrap();
+    let found = ball.attribute_colors(&mesh(&ball), &colors, Between::Nearest, &job).unwrap();
+    assert!(found.iter().all(|color| color.is_none()));
 }
