@@ -18,12 +18,15 @@ use crate::{Session, plan::TextTarget};
 use anyhow::{Context, Result};
 use isokit::{
     io::{MeshInput, Output},
-    mesh::{Welded, weld_exact, weld_within},
+    mesh::{Rgba, Welded, weld_exact, weld_within},
 };
 use std::{
     io::{BufWriter, Write},
     path::Path,
 };
+
+/// What a surface without colour looks like, as in files that want one.
+const NEUTRAL: Rgba = Rgba([204, 204, 204, 255]);
 
 /// Writes a report where it is to go, if anywhere.
 fn write_text(

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Colour")]
 pub(crate) struct ColorArgs {
     /// Another volume: its value at each vertex goes into the file, in PLY as quality, in glTF as _VALUE. It may have
-    /// any lattice in the same world. A vertex farther than half a sample outside of it has no value (NaN). Vectors
+    /// any lattice in the same world. A vertex farther than half a sample outside of it has no value (NaN). Three or four
+    /// bytes per sample are a colour, as `isokit voxelize --colors` writes them, and colour the vertex. Other vectors
     /// are converted first: `isokit convert --quantity`
     #[arg(long, value_name = "VOLUME")]
     pub(crate) attribute: Option<PathBuf>,

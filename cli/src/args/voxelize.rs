@@ -28,6 +28,11 @@ pub(crate) struct VoxelizeArgs {
     /// The file to write; its extension decides the format
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
+    /// Another file, .nrrd or .nhdr, for the colour of the nearest point of the mesh at each sample: three bytes, or four
+    /// where something shows through. `isokit extract --attribute` gives them back to vertices. With --band, samples that
+    /// are farther out than that, and than a cell's diagonal, are black
+    #[arg(long, value_name = "FILE")]
+    pub(crate) colors: Option<PathBuf>,
 }
 
 /// What samples say.

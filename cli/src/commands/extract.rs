@@ -1,5 +1,6 @@
 //! `extract`: from a volume to a mesh.
 
+mod attribute;
 mod color;
 mod scene;
 mod shape;
@@ -39,6 +40,7 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), Timings::default());
+    let attribute = attribute::open(&plan.color, plan.target.format, session)?;
     let mut scan = timed(&mut timings.read, || {
         Scan::open(&plan.input, &plan.volume, plan.space, &plan.region, &session.job)
     })?;
@@ -50,8 +52,9 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
     let mut surfaces = surfaces(&plan.levels, &isos, meshes);
     let refined = timed(&mut timings.mend, || refined(plan, &scan, &mut surfaces, session))?;
-    let colors =
-        timed(&mut timings.mend, || color::color(&plan.color, &scan, &mut surfaces, session))?;
+    let colors = timed(&mut timings.mend, || {
+        color::color((&plan.color, attribute), &scan, &mut surfaces, session)
+    })?;
     for ((surface, extracted), refined) in surfaces.iter().zip(&extracted).zip(&refined) {
         tell(plan, &scan, (surface, extracted), session)?;
         tell_singular(extracted, &surface.name, session);

@@ -1,12 +1,18 @@
 //! `voxelize`: samples of what a mesh encloses.
 
+use super::NEUTRAL;
 use crate::{Exit, Session, fault::CallerError, plan::VoxelizePlan, text::counted};
 use anyhow::Result;
 use isokit::{
-    io::{detect, read_mesh, write_volume},
-    mesh::TriMesh,
-    solid::{Flaws, MeshSolid, SolidOptions, grid_around, voxelize},
+    io::{Prepared, detect, prepare_colors, prepare_volume, read_mesh},
+    job::{Job, OverLimit},
+    mesh::{Rgba, Surface, TriMesh},
+    solid::{
+        Flaws, MeshSolid, SolidOptions, VoxelError, grid_around, voxelize, voxelize_with_colors,
+    },
+    volume::Grid,
 };
+use std::path::Path;
 
 pub(crate) fn run(plan: &VoxelizePlan, session: &mut Session<'_, '_>) -> Result<Exit> {
     session.watching(|session| voxels(plan, session))?;
@@ -24,10 +30,17 @@ fn voxels(plan: &VoxelizePlan, session: &Session<'_, '_>) -> Result<()> {
     input.notes.iter().for_each(|note| session.console.note(note));
     // All surfaces of a file enclose one solid.
     let whole = TriMesh::joined(input.surfaces.iter().map(|surface| &surface.mesh));
-    let whole = whole.ok_or_else(|| CallerError {
+    let mut whole = whole.ok_or_else(|| CallerError {
         message: format!("{}: all surfaces together have 2^32 vertices or more", path.display()),
         advice: "write its surfaces to files of their own",
     })?;
+    if plan.colors.is_some() {
+        let colors = colors(&input.surfaces, session)?.ok_or_else(|| CallerError {
+            message: format!("{}: neither vertices nor surfaces have colours", path.display()),
+            advice: "leave out --colors",
+        })?;
+        whole.attributes.colors = Some(colors);
+    }
     let failed = |why: &dyn std::fmt::Display, advice| CallerError {
         message: format!("{}: {why}", path.display()),
         advice,
@@ -40,17 +53,74 @@ fn voxels(plan: &VoxelizePlan, session: &Session<'_, '_>) -> Result<()> {
     told(&solid.flaws(), session);
     let grid = grid_around(solid.bounds(), plan.spacing, plan.margin, input.unit, input.space)
         .map_err(|why| failed(&why, "choose another --spacing"))?;
-    let volume = match voxelize(&solid, grid, &plan.options, job) {
-        Err(isokit::solid::VoxelError::Stopped(stopped)) => return Err(stopped.into()),
+    let files = match samples(plan, &solid, grid, job)? {
         Err(why) => return Err(failed(&why, "choose another --band").into()),
-        Ok(volume) => volume,
+        Ok(files) => files,
     };
-    write_volume(&plan.output, &volume, job)?;
-    let ([nx, ny, nz], dtype) = (grid.dims(), volume.dtype());
-    session
-        .console
-        .info(&format!("wrote {}: {nx} x {ny} x {nz} of {dtype}", plan.output.display()));
+    let [nx, ny, nz] = grid.dims();
+    // All is written, so all gets its name now.
+    for (path, prepared, content) in files {
+        prepared.finish()?;
+        let path = path.display();
+        session.console.info(&format!("wrote {path}: {nx} x {ny} x {nz} of {content}"));
+    }
     Ok(())
+}
+
+/// A file, what will be there, and of what that is.
+type ToBeNamed<'a> = (&'a Path, Prepared, String);
+
+/// The samples, written up to the names of the files; colours first.
+fn samples<'a>(
+    plan: &'a VoxelizePlan,
+    solid: &MeshSolid,
+    grid: Grid,
+    job: &Job,
+) -> Result<Result<Vec<ToBeNamed<'a>>, VoxelError>> {
+    let sampled = match plan.colors {
+        None => voxelize(solid, grid, &plan.options, job).map(|volume| (volume, None)),
+        Some(_) => voxelize_with_colors(solid, grid, &plan.options, job)
+            .map(|(volume, colors)| (volume, Some(colors))),
+    };
+    let (volume, colors) = match sampled {
+        Err(VoxelError::Stopped(stopped)) => return Err(stopped.into()),
+        Err(why) => return Ok(Err(why)),
+        Ok(sampled) => sampled,
+    };
+    let mut files = vec![];
+    if let (Some(path), Some(colors)) = (&plan.colors, colors) {
+        let of = format!("colours, {} bytes each", colors.channels().count());
+        files.push((path.as_path(), prepare_colors(path, &colors, job)?, of));
+    }
+    let output = prepare_volume(&plan.output, &volume, job)?;
+    files.push((&plan.output, output, volume.dtype().to_string()));
+    Ok(Ok(files))
+}
+
+/// The colours of all vertices, of one surface after the other; none if there are none. A vertex without a colour has that of
+/// its surface, and if others have colours, the one that files give to what has none.
+fn colors(surfaces: &[Surface], session: &Session<'_, '_>) -> Result<Option<Vec<Rgba>>, OverLimit> {
+    let has_colors =
+        |surface: &Surface| surface.mesh.attributes.colors.is_some() || surface.color.is_some();
+    if !surfaces.iter().any(has_colors) {
+        return Ok(None);
+    }
+    let vertices = surfaces.iter().map(|surface| surface.mesh.positions.len() as u64).sum();
+    let mut all = session.job.limits.vec("colours of vertices", Some(vertices))?;
+    for surface in surfaces {
+        if !has_colors(surface) {
+            let name = &surface.name;
+            session.console.note(&format!("{name} has no colours: it is taken as {NEUTRAL}"));
+        }
+        match &surface.mesh.attributes.colors {
+            Some(colors) => all.extend_from_slice(colors),
+            None => {
+                let own = surface.color.unwrap_or(NEUTRAL);
+                all.extend(std::iter::repeat_n(own, surface.mesh.positions.len()));
+            }
+        }
+    }
+    Ok(Some(all))
 }
 
 /// What is wrong with the mesh, and how inside is decided.

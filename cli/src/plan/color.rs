@@ -27,15 +27,11 @@ impl ColorPlan {
             map: args.colormap.map(|arg| (arg.map, arg.range)),
             texture: args.texture.map(|arg| (arg.pattern, arg.size)),
         };
-        let says = match target.format {
-            _ if plan.is_empty() => return Ok(plan),
-            Format::Stl => "STL holds neither values nor colours of vertices: write .ply or .glb",
-            Format::Obj if plan.map.is_none() && plan.texture.is_none() => {
-                "OBJ holds colours of vertices, but no values: add --colormap, or write .ply or .glb"
-            }
-            _ => return Ok(plan),
-        };
-        Err(UsageError(says.into()))
+        if target.format == Format::Stl && !plan.is_empty() {
+            let says = "STL holds neither values nor colours of vertices: write .ply or .glb";
+            return Err(UsageError(says.into()));
+        }
+        Ok(plan)
     }
 
     /// Whether they get nothing.

@@ -20,6 +20,9 @@ const MESHES: [(&str, Format); 5] = [
 /// What a volume file may be called.
 const VOLUMES: [&str; 6] = [".nrrd", ".nhdr", ".nii", ".nii.gz", ".npy", ".raw"];
 
+/// What a file of colours may be called.
+const COLOR_VOLUMES: [&str; 2] = [".nrrd", ".nhdr"];
+
 /// A file, or stdout.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Stream {
@@ -107,6 +110,11 @@ pub(super) fn is_volume(path: &Path) -> bool {
     VOLUMES.into_iter().any(|ending| has_ending(path, ending))
 }
 
+/// Whether a file name asks for a volume of a format that holds colours.
+pub(super) fn is_color_volume(path: &Path) -> bool {
+    COLOR_VOLUMES.into_iter().any(|ending| has_ending(path, ending))
+}
+
 /// Whether a file name asks for a picture.
 pub(crate) fn is_png(path: &Path) -> bool {
     has_ending(path, ".png")
@@ -115,6 +123,11 @@ pub(crate) fn is_png(path: &Path) -> bool {
 /// The refusal of a name that is not that of a volume.
 pub(super) fn no_volume(path: &Path) -> UsageError {
     UsageError(unknown_ending(path, &VOLUMES))
+}
+
+/// The refusal of a name that is not that of a volume of colours.
+pub(super) fn no_color_volume(path: &Path) -> UsageError {
+    UsageError(unknown_ending(path, &COLOR_VOLUMES))
 }
 
 /// The refusal of a name that is neither.

@@ -20,7 +20,10 @@ pub(crate) struct ColorReport {
 pub(crate) struct AttributeReport {
     pub(crate) path: String,
     pub(crate) kernel: &'static str,
-    /// Least and greatest at a vertex of any surface; null if none has a value.
+    /// How many numbers a colour has, if the volume is of colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) channels: Option<usize>,
+    /// Least and greatest at a vertex of any surface; null if none has a value, or they are colours.
     pub(crate) range: Option<[f64; 2]>,
     /// Vertices outside of the volume, or where it has no value.
     pub(crate) without_value: u64,

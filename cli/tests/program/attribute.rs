@@ -114,7 +114,6 @@ fn what_does_not_fit_is_refused_before_anything_is_read() {
     let folder = Folder::new();
     for (words, says) in [
         ("--attribute b.nii -o a.stl", "STL holds neither values nor colours"),
-        ("--attribute b.nii -o a.obj", "OBJ holds colours of vertices, but no values"),
         ("--attribute b.nii --max-memory 1GiB -o a.ply", "need the whole mesh in memory"),
         ("--texture wood --max-memory 1GiB -o a.ply", "need the whole mesh in memory"),
         ("--attribute b.nii -o b.nii", "expected a name that ends in"),

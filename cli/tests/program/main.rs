@@ -2,6 +2,7 @@
 
 mod attribute;
 mod check;
+mod colors;
 mod convert;
 mod extract;
 mod failures;

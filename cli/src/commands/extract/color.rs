@@ -1,30 +1,26 @@
-//! Values of another volume at the vertices, and colours.
+//! Colours of vertices: by values, or by a pattern.
 
+use super::attribute::{Attribute, colors, values};
 use crate::{
     Session,
+    commands::NEUTRAL,
     plan::ColorPlan,
-    report::{AttributeReport, ColorMapReport, ColorReport, TextureReport},
-    text::{counted, grouped},
+    report::{ColorMapReport, ColorReport, TextureReport},
 };
 use anyhow::Result;
 use isokit::{
-    field::Between,
     geom::Aabb,
-    io::VolumeOptions,
     mesh::{Rgba, Surface},
-    pipeline::{Region, Scan, TargetSpace},
+    pipeline::Scan,
     render::{ColorMap, Pattern, SolidTexture},
 };
-use std::path::Path;
 
-/// What a surface without colour looks like, as in files that want one.
-const NEUTRAL: Rgba = Rgba([204, 204, 204, 255]);
 /// How much of its light the darker colour of a pattern keeps.
 const DARK: f32 = 0.25;
 
 /// Gives vertices what is planned; none if that is nothing.
 pub(super) fn color(
-    plan: &ColorPlan,
+    (plan, attribute): (&ColorPlan, Option<Attribute<'_>>),
     scan: &Scan,
     surfaces: &mut [Surface],
     session: &Session<'_, '_>,
@@ -33,15 +29,21 @@ pub(super) fn color(
         return Ok(None);
     }
     let mut report = pattern(plan, surfaces);
-    if let Some((path, between)) = &plan.attribute {
-        let attribute = values((path, *between), scan, surfaces, session)?;
-        if let Some((map, ends)) = plan.map {
-            let range = ends.or(attribute.range).unwrap_or([0.0, 1.0]);
-            surfaces.iter_mut().for_each(|surface| by_map(surface, map, range));
-            report.colormap = Some(ColorMapReport { name: map.name(), range });
+    report.attribute = match attribute {
+        Some(Attribute::Colors(file, other)) => {
+            Some(colors((*file, other), scan, surfaces, session)?)
         }
-        report.attribute = Some(attribute);
-    }
+        Some(Attribute::Values(other)) => {
+            let found = values(other, scan, surfaces, session)?;
+            if let Some((map, ends)) = plan.map {
+                let range = ends.or(found.range).unwrap_or([0.0, 1.0]);
+                surfaces.iter_mut().for_each(|surface| by_map(surface, map, range));
+                report.colormap = Some(ColorMapReport { name: map.name(), range });
+            }
+            Some(found)
+        }
+        None => None,
+    };
     Ok(Some(report))
 }
 
@@ -49,47 +51,6 @@ pub(super) fn color(
 pub(super) fn pattern(plan: &ColorPlan, surfaces: &mut [Surface]) -> ColorReport {
     let texture = plan.texture.and_then(|(pattern, size)| by_pattern(surfaces, pattern, size));
     ColorReport { texture, ..ColorReport::default() }
-}
-
-/// The values of the volume at all vertices.
-fn values(
-    (path, between): (&Path, Between),
-    scan: &Scan,
-    surfaces: &mut [Surface],
-    session: &Session<'_, '_>,
-) -> Result<AttributeReport> {
-    let (options, space) = (VolumeOptions::default(), TargetSpace::Source);
-    let other = Scan::open(path, &options, space, &Region::Whole, &session.job)?;
-    let name = path.display();
-    let notes = other.notes().iter().cloned().chain(scan.differences(&other));
-    notes.for_each(|note| session.console.note(&format!("{name}: {note}")));
-    let (mut range, mut vertices, mut without): (Option<[f64; 2]>, _, _) = (None, 0, 0);
-    for surface in surfaces {
-        let values = scan.attribute(&surface.mesh, &other, between, &session.job)?;
-        for value in values.iter().map(|&value| f64::from(value)) {
-            if value.is_nan() {
-                without += 1;
-                continue;
-            }
-            let [low, high] = range.unwrap_or([value; 2]);
-            range = Some([low.min(value), high.max(value)]);
-        }
-        vertices += values.len() as u64;
-        surface.mesh.attributes.values = Some(values);
-    }
-    if without > 0 {
-        let (of, all) = (grouped(without), counted(vertices, "vertex", "vertices"));
-        let says = "are outside of it, or where it has no value, and have none";
-        session.console.note(&format!("{name}: {of} of {all} {says}"));
-    }
-    if let Some([low, high]) = range {
-        session.console.detail(&format!("{name}: {low} to {high} at vertices"));
-    }
-    let kernel = match between {
-        Between::Linear => "linear",
-        Between::Nearest => "nearest",
-    };
-    Ok(AttributeReport { path: name.to_string(), kernel, range, without_value: without })
 }
 
 /// Colours by values. Opacity is the surface's.
