@@ -4,11 +4,11 @@
 
 use isokit::{
     geom::Frame,
-    io::{MeshContext, write_mesh, write_volume},
+    io::{MeshContext, write_colors, write_mesh, write_volume},
     job::Job,
     marching_cubes::{ExtractOptions, extract},
     mesh::Surface,
-    volume::{Grid, Volume},
+    volume::{Channels, ColorVolume, Grid, Volume},
 };
 use isokit_tests::{
     chance::Chance,
@@ -50,6 +50,11 @@ fn volume_files() -> Vec<Vec<u8>> {
     let meta = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\n\
                 ElementSpacing = 1 2 3\nElementDataFile = LOCAL\n12345678";
     files.push(meta.into());
+    let channels = meta.replace("ElementSpacing", "ElementNumberOfChannels = 4\nElementSpacing");
+    files.push([channels.as_bytes(), &[7; 24]].concat());
+    let colors = ColorVolume::new(*ball().grid(), Channels::Rgb, vec![9; 180]).unwrap();
+    write_colors(&folder.join("ball.nrrd"), &colors, &Job::default()).unwrap();
+    files.push(fs::read(folder.join("ball.nrrd")).unwrap());
     fs::remove_dir_all(folder).unwrap();
     files
 }

@@ -2,7 +2,7 @@
 
 use isokit::{
     for_any,
-    io::{Format, VolumeOptions, open_volume, read_mesh, read_volume},
+    io::{Format, VolumeOptions, open_colors, open_volume, read_mesh, read_volume},
     job::{Job, Limits},
     volume::{Sample, SlabSource, Volume},
 };
@@ -25,7 +25,7 @@ fn limited() -> Job {
     Job { limits: Limits { bytes: LIMIT }, ..Job::default() }
 }
 
-/// Reads the bytes as a volume, as a whole and slice by slice.
+/// Reads the bytes as a volume, as a whole and slice by slice, and as colours.
 ///
 /// # Panics
 ///
@@ -43,6 +43,22 @@ pub fn volume_file(bytes: &[u8]) {
                 for_any!(&read.volume, volume => assert_slices(volume, &path));
             }
         }
+        Err(error) => assert_tells(&error.to_string()),
+    }
+    colors_in(&path);
+}
+
+/// Reads a file as colours, if it says that it is of some.
+fn colors_in(path: &Path) {
+    match open_colors(path, &limited()) {
+        Ok(None) => {}
+        Ok(Some(file)) => match file.collect(&limited()) {
+            Ok(colors) => {
+                let count = colors.grid().count() * colors.channels().count() as u64;
+                assert!(count <= LIMIT && colors.samples().len() as u64 == count, "{count} bytes");
+            }
+            Err(error) => assert_tells(&error.to_string()),
+        },
         Err(error) => assert_tells(&error.to_string()),
     }
 }
