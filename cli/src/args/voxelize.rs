@@ -30,7 +30,7 @@ pub(crate) struct VoxelizeArgs {
     pub(crate) output: PathBuf,
     /// Another file, .nrrd or .nhdr, for the colour of the nearest point of the mesh at each sample: three bytes, or four
     /// where something shows through. `isokit extract --attribute` gives them back to vertices. With --band, samples that
-    /// are farther out than that, and than a cell's diagonal, are black
+    /// are farther out than that and a cell's diagonal are black
     #[arg(long, value_name = "FILE")]
     pub(crate) colors: Option<PathBuf>,
 }

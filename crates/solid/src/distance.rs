@@ -9,7 +9,7 @@ use isokit_geom::vector::{cross, dot, sub};
 use isokit_lanes::Facet;
 
 /// A triangle's area over the square of its longest edge, twice: no less than that has a normal.
-const THIN: f64 = 1e-8;
+pub(crate) const THIN: f64 = 1e-8;
 
 /// A triangle, made ready for points.
 pub(crate) fn facet([a, b, c]: [[f64; 3]; 3]) -> Facet {

@@ -275,7 +275,7 @@ impl MeshSolid {
         &self.windings
     }
 
-    /// Of a point where it is computed; the facet and how it is near.
+    /// Of a point where it is computed; the facet, the first of those that are as near, and how it is near.
     pub(crate) fn nearest(&self, point: [f64; 3]) -> Option<(u32, Near)> {
         if !point.iter().all(|c| c.is_finite()) {
             return None;
@@ -283,7 +283,10 @@ impl MeshSolid {
         let mut best: Option<(u32, Near)> = None;
         self.bvh.visit(point, f64::INFINITY, |number| {
             let found = near(point, &self.bvh.facets()[number as usize]);
-            if best.is_none_or(|(_, best)| found.squared < best.squared) {
+            let before = |known: u32, best: Near| {
+                found.squared < best.squared || found.squared == best.squared && number < known
+            };
+            if best.is_none_or(|(known, best)| before(known, best)) {
                 best = Some((number, found));
             }
             best.map_or(f64::INFINITY, |(_, best)| best.squared)

@@ -8,7 +8,7 @@ mod turning;
 
 use crate::{
     MeshSolid, VoxelOptions,
-    distance::Near,
+    distance::{Near, THIN},
     mesh_solid::signed,
     voxelize::{BLOCK, Lattice, farthest},
 };
@@ -70,9 +70,6 @@ pub struct PlacedMesh<'a> {
     thin: f64,
 }
 
-/// What lies between the edges of a triangle that counts as these is no farther from them than this part of the longest.
-const THIN: f64 = 1e-8;
-
 /// By how much a value may be wrong, as a part of the coordinates that it is made of.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
@@ -80,6 +77,7 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 struct At {
     /// As the solid computes.
     point: [f64; 3],
+    facet: u32,
     near: Near,
     /// In world units.
     value: f64,
@@ -94,7 +92,7 @@ impl MeshSolid {
             let across = [0, 1, 2].map(|k| third[k] - first[k]);
             [first, third, across].map(length).into_iter().fold(longest, f64::max)
         });
-        // A way from one side to the other meets edges to within that on both.
+        // What lies between the edges of such a triangle is no farther from them than `THIN` of the longest, on both sides of it.
         PlacedMesh { solid: self, grid: *grid, thin: 2.0 * THIN * longest * self.place().scale() }
     }
 }
@@ -106,9 +104,9 @@ impl PlacedMesh<'_> {
 
     fn at(&self, ijk: [f64; 3]) -> Option<At> {
         let point = self.point(ijk);
-        let (_, near) = self.solid.nearest(point)?;
+        let (facet, near) = self.solid.nearest(point)?;
         let value = signed(self.distance(&near), || self.solid.is_in(point));
-        Some(At { point, near, value })
+        Some(At { point, facet, near, value })
     }
 
     fn distance(&self, near: &Near) -> f64 {

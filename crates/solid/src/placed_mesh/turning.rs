@@ -129,7 +129,11 @@ enum Free {
 /// Along edges that it is on and that are at right angles to what leads away from it. Of an edge in a plane, which is none of
 /// the surface's, there are two such ways; of a corner in an edge that goes on straight there is one.
 fn free(solid: &MeshSolid, at: &At, u: [f64; 3]) -> Free {
-    let nearest = sub(at.point, at.near.away);
+    let facet = &solid.bvh().facets()[at.facet as usize];
+    let [_, first, third] = at.near.shares();
+    // Not the point less what leads there, which from far away is rounded too much.
+    let nearest = [0, 1, 2]
+        .map(|k| facet.corner[k] + (first * facet.edges[0][k] + third * facet.edges[1][k]));
     let mut free = match at.near.part {
         Part::Edge(edge) => Free::Along(edge),
         Part::Face | Part::Corner => Free::Nowhere,

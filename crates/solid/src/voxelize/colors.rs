@@ -8,12 +8,12 @@ use isokit_volume::{AnyVolume, Channels, ColorVolume, Grid};
 /// Samples of a solid as [`voxelize`](super::voxelize) makes them, and the colour of the nearest point of the surface at each.
 ///
 /// A colour is that of [`MeshSolid::color`]: between vertices it is linear in sRGB codes. It has three numbers, and a fourth for
-/// opacity if something shows through some vertex. Of points that are as near one is taken, always the same one.
+/// opacity if something shows through some vertex. Of points that are as near, one is taken: at a place always the same one.
 ///
-/// With a band, samples have no colour that are farther from the surface than the band and than the longest diagonal of a cell:
-/// they are black, and with a fourth number nothing shows of them. So all corners of a cell that the surface goes through have
-/// one. Without a band, and with [`VoxelMode::Occupancy`], all samples have one. [`Walls::Kept`](super::Walls::Kept) adds to both
-/// what walls are grown by.
+/// With a band, samples have no colour that are farther from the surface than the band and the longest diagonal of a cell
+/// together: they are black, and with a fourth number nothing shows of them. So all corners of a cell have one that the surface
+/// of a distance within the band goes through. Without a band, and with [`VoxelMode::Occupancy`], all samples have one.
+/// [`Walls::Kept`](super::Walls::Kept) adds what walls are grown by.
 ///
 /// ```
 /// use isokit_geom::{Space, Unit};
@@ -69,8 +69,10 @@ impl<'a> Lattice<'a> {
     /// The same with colours, for which it may be looked farther.
     fn painted(self, paint: &'a Paint, options: &VoxelOptions) -> Self {
         let least = match options.mode {
-            // From corners of a cell that the surface goes through it is no farther than this.
-            VoxelMode::Distance => 2.0 * half_diagonal(&self.index_to_world) * 1.001 + self.grown,
+            // From corners of a cell with a point of which the distance is told, it is no farther than this.
+            VoxelMode::Distance => {
+                self.told + self.grown + 2.0 * half_diagonal(&self.index_to_world) * 1.001
+            }
             VoxelMode::Occupancy => f64::INFINITY,
         };
         Self { band: self.band.max(least), paint: Some(paint), ..self }
