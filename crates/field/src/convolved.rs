@@ -23,6 +23,9 @@ const MOST_IN_BOX: usize = 1 << 18;
 /// Of kernels that reach farther no bounds are known: it would take long to find out how much their weights are together.
 const WIDE: f64 = 16.0;
 
+/// Of kernels that reach less far neither: there are places where nothing counts.
+const NARROW: f64 = 0.5;
+
 /// A volume as a kernel sees it, at any place: values, gradients and Hessians of the convolution of samples and kernel.
 ///
 /// On the lattice and at any other place it is what [`resample`](crate::resample) makes there of samples that come no farther
@@ -34,7 +37,8 @@ const WIDE: f64 = 16.0;
 /// Derivatives are those of the kernel. Where they have an edge, as those of [`Linear`](crate::Filter::Linear) at samples,
 /// they are the mean of both sides; those of [`Nearest`](crate::Filter::Nearest) are 0.
 ///
-/// A sample that is not finite leaves no value where it counts, and no derivative where it counts for that. For splines all
+/// Where nothing counts, as between samples for a kernel that reaches less than half way, there is no value.
+/// A sample that is not finite leaves none where it counts, and no derivative where it counts for that. For splines all
 /// must be finite.
 ///
 /// # Examples
@@ -102,7 +106,7 @@ impl<'a, T: Sample, K: SeparableKernel> Convolved<'a, T, K> {
         };
         let field = Self { view, kernel, numbers, stretches: None };
         let stretches = || [0, 1, 2].map(|axis| field.line(axis).stretches());
-        let stretches = (radius <= WIDE).then(stretches);
+        let stretches = (NARROW..=WIDE).contains(&radius).then(stretches);
         Ok(Self { stretches, ..field })
     }
 
@@ -181,6 +185,9 @@ impl<'a, T: Sample, K: SeparableKernel> Convolved<'a, T, K> {
             let is_border = low < line.reach() || high > last - line.reach();
             stretch *= self.stretches?[axis][usize::from(is_border)];
         }
+        if lines.iter().any(Range::is_empty) {
+            return None;
+        }
         let [x, y, z] = lines;
         if x.len().saturating_mul(y.len()).saturating_mul(z.len()) > MOST_IN_BOX {
             return None;
@@ -215,8 +222,9 @@ impl<T: Sample, K: SeparableKernel> ScalarField for Convolved<'_, T, K> {
 
     /// From the least and the greatest of the numbers that count there, whose middle no value is farther from than half of
     /// what they are from each other times the sum of the absolute values of weights, as it is at most. Of more than 2¹⁸ of
-    /// them, and of kernels that reach farther than 16 samples, nothing is said. A kernel is taken to be smooth but at whole
-    /// and half distances, as all of [`Filter`](crate::Filter) are.
+    /// them, and of kernels that reach farther than 16 samples or less than half of one, nothing is said. A kernel is taken to be
+    /// smooth but at whole and half distances, and its second derivative to be no more than doubled within 1/64 of a sample, as of
+    /// all of [`Filter`](crate::Filter).
     fn bounds(&self, ijk: Aabb) -> Interval {
         let Some(([least, greatest], stretch, count)) = self.numbers_around(ijk) else {
             return Interval::EVERYTHING;
@@ -224,7 +232,7 @@ impl<T: Sample, K: SeparableKernel> ScalarField for Convolved<'_, T, K> {
         let middle = 0.5 * least + 0.5 * greatest;
         let most = stretch * least.abs().max(greatest.abs());
         // Weights and sums along each axis are off by a few units in the last place for each number.
-        let rounding = 8.0 * (count + 8) as f64 * f64::EPSILON * most;
+        let rounding = 8.0 * (count + 8) as f64 * f64::EPSILON * most + f64::MIN_POSITIVE;
         let half = stretch * (0.5 * greatest - 0.5 * least) + rounding;
         let scaling = self.view.scaling();
         let [a, b] = [middle - half, middle + half].map(|number| scaling.value(number));

@@ -34,7 +34,8 @@ pub struct Outflow {
     pub samples: u64,
     /// Their neighbours that are greater, less those that are less.
     pub crossings: i64,
-    /// How far neighbours along x, y and z are above them, all together.
+    /// How far neighbours along x, y and z are above them; or those along all axes in the first number, if no one asked for
+    /// them apart.
     pub rises: [i64; 3],
     /// Shares of edges to neighbours that are greater, less those of edges to neighbours that are less.
     pub shares: i64,
@@ -206,6 +207,13 @@ fn whole(along: [f32; 3], square: f32) -> [i16; 3] {
 /// What makes the low bits of a small number those of the nearest whole one.
 const NEAREST: f32 = 1.5 * (1 << 23) as f32;
 
+/// Samples that may be added before sums of 32 bits are emptied.
+const MOST_PENDING: usize = 60_000;
+
+/// An edge counts for two normals of half of [`WHOLE`], and a little for rounding.
+const _: () = assert!((MOST_PENDING + STRIP) * 6 * (WHOLE as usize + 2) < i32::MAX as usize);
+const _: () = assert!(6 * (WHOLE as usize + 2) < i16::MAX as usize);
+
 /// Sums by value.
 #[derive(Clone, Debug)]
 pub struct Outflows {
@@ -227,8 +235,8 @@ pub struct RowNormals<'a> {
 }
 
 impl Outflows {
-    /// Nothing yet. Where no one asks along which axis samples rise, sums of all rises are enough: then those are called
-    /// the rises along x, which takes less time.
+    /// Nothing yet. If rises are not to be apart, those along all axes are added up in the first of [`Outflow::rises`]: so an
+    /// entry is half as long.
     pub fn new(rises_are_apart: bool) -> Self {
         Self {
             tables: Tables::new(rises_are_apart),
@@ -336,7 +344,7 @@ impl Task for Add<'_> {
                 }),
             }
             sums.pending += here;
-            if sums.pending > 60_000 {
+            if sums.pending > MOST_PENDING {
                 sums.flush();
             }
         }

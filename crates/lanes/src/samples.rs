@@ -91,19 +91,6 @@ impl<'a, T: Lane> Samples<'a, T> {
     }
 }
 
-/// Asks for samples that will be read soon, into the second cache.
-pub fn prefetch<T>(samples: &[T]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
-        let first = samples.as_ptr().cast::<i8>();
-        for place in (0..size_of_val(samples)).step_by(64) {
-            // SAFETY: a prefetch reads nothing, so any address will do.
-            unsafe { _mm_prefetch::<_MM_HINT_T1>(first.wrapping_add(place)) };
-        }
-    }
-}
-
 /// The most slices between two samples for which [`Samples::is_near`] holds; −1 where it never does.
 fn near<T>(held: usize, first: usize, strides: [isize; 3], dims: [usize; 3]) -> i64 {
     let strides = strides.map(|stride| stride as i128);

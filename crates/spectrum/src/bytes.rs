@@ -170,17 +170,13 @@ impl<'a, T: Sample> Pass<'a, T> {
         let times =
             |n: isize, count: usize| if n <= 0 || n + 1 >= count as isize { 2.0 } else { 1.0 };
         for r in 0..self.part.rows.len() + 2 {
+            // Its normals count for no edge: all that lead there have equal ends.
+            if self.value(k, r + 1).is_some() {
+                continue;
+            }
             let is_even = &mut is_even[r * self.strips..(r + 1) * self.strips];
             let out =
                 normals.each_mut().map(|all| &mut all[r * self.stride..(r + 1) * self.stride]);
-            if self.value(k, r + 1).is_some() {
-                // Of strips that were even the normals are 0 already.
-                if !is_even.iter().all(|is_even| *is_even) {
-                    out.into_iter().for_each(|row| row.fill(0));
-                    is_even.fill(true);
-                }
-                continue;
-            }
             let j = (self.part.rows.start + r) as isize - 1;
             let scale = Scale { weights: self.weights.shares, times: [times(j, ny), times(k, nz)] };
             self.neighbours(k, r + 1).normals(&scale, nx, out, is_even);

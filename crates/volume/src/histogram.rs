@@ -47,7 +47,7 @@ impl Histogram {
         })
     }
 
-    /// The same, and the statistics, if those are not `known`. Samples of one or two bytes are looked at only once for both.
+    /// The same, and the statistics, which may be `known`; else samples of one or two bytes are looked at only once for both.
     ///
     /// # Errors
     ///

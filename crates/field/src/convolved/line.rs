@@ -36,11 +36,13 @@ impl<K: SeparableKernel> Line<'_, K> {
     /// At the place `x`, for the value and so many derivatives.
     pub(super) fn stencil(&self, x: f64, derivatives: usize) -> Stencil {
         if x.is_nan() || x.abs() > FAR {
-            let weights = vec![[f64::NAN; 3]];
-            return Stencil { first: 0, weights, spans: [0..1, 0..1, 0..1] };
+            return Stencil::none();
         }
         let [low, high] = self.support(x, x);
         let mut own = self.own(x, derivatives);
+        if own.is_empty() {
+            return Stencil::none();
+        }
         if !self.is_spline {
             normalise(&mut own);
         }
@@ -72,7 +74,7 @@ impl<K: SeparableKernel> Line<'_, K> {
         low += i64::from(!counts(from - low as f64));
         high -= i64::from(!counts(to - high as f64));
         let held = self.border().held(low + self.shift(), high + self.shift());
-        held.start as usize..held.end as usize
+        held.start as usize..held.end.max(held.start) as usize
     }
 
     /// How many places along the line from its ends have stencils that lead over the border.
@@ -83,8 +85,8 @@ impl<K: SeparableKernel> Line<'_, K> {
     /// How much the absolute values of a place's weights are together at most: of one whose stencil leads over no border, and
     /// of any in the line.
     ///
-    /// They are looked at in steps h. Between two of them a weight is no farther from the straight line than h²/8 of its second
-    /// derivative, of which twice the most that is found is taken: it is continuous within a step.
+    /// They are looked at in steps h. Between two of them a weight is no farther from the straight line than h²/8 of the most that
+    /// its second derivative is; that is taken to be no more than twice what is found at steps.
     pub(super) fn stretches(&self) -> [f64; 2] {
         let long = Line { size: 2 * self.reach() as usize + 2, ..*self };
         let inner = long.stretch(long.size / 2 - 1);
@@ -162,6 +164,11 @@ fn normalise(weights: &mut [[f64; 3]]) {
 }
 
 impl Stencil {
+    /// Of a place without a value.
+    fn none() -> Self {
+        Self { first: 0, weights: vec![[f64::NAN; 3]], spans: [0..1, 0..1, 0..1] }
+    }
+
     /// Without what counts for nothing at both ends.
     fn trimmed(first: usize, mut weights: Vec<[f64; 3]>) -> Self {
         let span = |order: usize| {

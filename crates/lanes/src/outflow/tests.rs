@@ -154,21 +154,33 @@ fn sums_are_those_of_all_edges_at_every_level() {
 
 #[test]
 fn sums_do_not_run_over() {
-    let mut side = 0;
-    let lattice = Lattice::new(100_000, || {
-        side += 1;
-        u8::MAX * (side % 2) as u8
-    });
-    let (normals, is_even) = ([(); 3].map(|()| vec![WHOLE / 2; 32 * 3127]), vec![false; 3125]);
-    let [x, y, z] = normals.each_ref().map(|row| &row[..]);
-    let normals = RowNormals { own: [x, y, z], low: [y, z], high: [y, z] };
+    const COUNT: usize = 100_000;
+    let strips = COUNT.div_ceil(STRIP);
+    fn row<T: Copy>(strips: usize, each: [T; 4]) -> Vec<T> {
+        each.repeat(STRIP * (strips + 2) / 4)
+    }
+    // Every fourth sample is above its neighbours but those below it along y and z, and all of its edges count for all they can.
+    let (mut own, high) = (row(strips, [255, 0, 0, 0]), row(strips, [0_u8; 4]));
+    own[STRIP - 1] = own[STRIP];
+    own[STRIP + COUNT..].fill(0); // as the last one is
+    let half = WHOLE / 2;
+    let (along_x, along) = (row(strips, [0, half, 0, -half]), row(strips, [half; 4]));
+    let rows = Neighbours { own: &own, low: [&own, &own], high: [&high, &high] };
+    let normals =
+        RowNormals { own: [&along_x, &along, &along], low: [&along; 2], high: [&along; 2] };
     for rises_are_apart in [true, false] {
         let mut found = Outflows::new(rises_are_apart);
         for _ in 0..10 {
-            found.add(lattice.neighbours(2, 2), normals, &is_even, lattice.count);
+            found.add(rows, normals, &vec![false; strips], COUNT);
         }
         let sums = found.sums();
-        assert_eq!([sums[0].samples, sums[255].samples], [500_000; 2]);
-        assert_eq!(sums[0].rises, [255 * (2 * 500_000 - 10), 0, 0]);
+        let count = 250_000;
+        assert_eq!([sums[255].samples, sums[0].samples], [count as u64, 3 * count as u64]);
+        // The first one of each row has itself beside it.
+        assert_eq!(sums[255].shares, 3 * i64::from(WHOLE) * count - 10 * i64::from(half));
+        assert!(sums[255].shares > i64::from(i32::MAX), "they would not run over anyway");
+        let rises = [-510 * count + 10 * 255, -255 * count, -255 * count];
+        let together = [rises.iter().sum(), 0, 0];
+        assert_eq!(sums[255].rises, if rises_are_apart { rises } else { together });
     }
 }

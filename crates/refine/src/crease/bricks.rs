@@ -28,7 +28,8 @@ pub(super) fn in_bricks<T: Send>(
     ask: impl Fn(usize, &Ground<'_>) -> T + Sync,
     job: &Job,
 ) -> Result<Vec<T>, Cancelled> {
-    let small = |n: u32| ground.spot(places(n as usize)).ijk.map(|c| (c.floor() as i64).div_euclid(SIDE));
+    let small =
+        |n: u32| ground.spot(places(n as usize)).ijk.map(|c| (c.floor() as i64).div_euclid(SIDE));
     let large = |small: [i64; 3]| small.map(|c| c.div_euclid(BRICKS));
     let answers = job.threads.run(|| {
         let mut order: Vec<([i64; 3], u32)> =

@@ -3,14 +3,17 @@
 use crate::{Isosurface, RefineError, RefineOptions, Refined, refine};
 use isokit_field::{Jet, ScalarField, Slope};
 use isokit_geom::{
-    Affine,
+    Aabb, Affine,
     vector::{Vector, cross, dot, length},
 };
 use isokit_job::{Job, Threads};
 use isokit_marching_cubes::{ExtractOptions, extract};
 use isokit_mesh::{TriMesh, topology};
 use isokit_volume::{Grid, Volume};
-use std::num::NonZeroUsize;
+use std::{
+    num::NonZeroUsize,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 const N: usize = 24;
 const MIDDLE: Vector = [11.3, 11.6, 11.45];
@@ -180,5 +183,62 @@ fn angles_that_are_none_are_refused() {
         let surface = Isosurface { field: block, iso: 0.0 };
         let found = refine(&mut plain(block), &surface, &options, &Job::default());
         assert!(matches!(found, Err(RefineError::Options(_))), "{degrees}");
+    }
+}
+
+/// A field that knows itself within a box, and is asked for nothing beyond it.
+struct Parted<'a> {
+    field: &'a Block,
+    inside: Option<Aabb>,
+    asked: &'a AtomicUsize,
+}
+
+fn holds(outer: &Aabb, inner: &Aabb) -> bool {
+    (0..3).all(|k| outer.min[k] <= inner.min[k] && inner.max[k] <= outer.max[k])
+}
+
+impl ScalarField for Parted<'_> {
+    fn dims(&self) -> [usize; 3] {
+        self.field.dims()
+    }
+
+    fn index_to_world(&self) -> Affine {
+        self.field.index_to_world()
+    }
+
+    fn value(&self, ijk: Vector) -> f64 {
+        self.slope(ijk).value
+    }
+
+    fn slope(&self, ijk: Vector) -> Slope {
+        if let Some(inside) = self.inside {
+            assert!(holds(&inside, &Aabb { min: ijk, max: ijk }), "{ijk:?} of {inside:?}");
+            self.asked.fetch_add(1, Ordering::Relaxed);
+        }
+        self.field.slope(ijk)
+    }
+
+    fn jet(&self, ijk: Vector) -> Jet {
+        self.field.jet(ijk)
+    }
+
+    fn within(&self, ijk: Aabb) -> Option<Box<dyn ScalarField + '_>> {
+        assert!(self.inside.is_none_or(|inside| holds(&inside, &ijk)), "{ijk:?}");
+        Some(Box::new(Parted { inside: Some(ijk), ..*self }))
+    }
+}
+
+#[test]
+fn fields_of_bricks_are_asked_only_within_them_and_say_what_the_whole_one_says() {
+    for block in blocks(0.0).iter().chain(&blocks(1.5)) {
+        let asked = AtomicUsize::new(0);
+        let parted = Parted { field: block, inside: None, asked: &asked };
+        let (found, expected) =
+            (creased(&parted, &Job::default()), creased(block, &Job::default()));
+        assert!(found == expected);
+        assert!(
+            asked.into_inner() > found.0.positions.len(),
+            "bricks are asked about all vertices"
+        );
     }
 }

@@ -110,8 +110,14 @@ fn what_cannot_be_is_refused_and_kernels_that_make_no_sense_make_no_values() {
     for radius in [f64::NAN, -3.0, f64::NEG_INFINITY, 0.0, 0.3] {
         let field = Convolved::new(small.view(), Reaching(radius), &Job::default()).unwrap();
         let everywhere = Aabb { min: [0.0; 3], max: [8.0; 3] };
-        let (_, bounds) = (field.jet([2.5, 0.25, 8.0]), field.bounds(everywhere));
-        assert!(bounds.low.is_nan() || bounds.low <= bounds.high, "{radius}: {bounds:?}");
+        let bounds = field.bounds(everywhere);
+        for place in [[2.5, 0.25, 8.0], [2.5, 2.0, 2.0], [3.1, 4.0, 4.9], [1.0, 2.0, 3.0]] {
+            let value = field.jet(place).value;
+            let is_within = value.is_nan() || bounds.contains(value);
+            assert!(is_within, "{radius}, {place:?}: {value} beyond {bounds:?}");
+        }
+        let between = field.bounds(Aabb { min: [2.4, 2.0, 2.0], max: [2.6, 3.0, 3.0] });
+        assert_eq!(between, Interval::EVERYTHING, "{radius}");
     }
     // Wider than it says, it is the same but for the border.
     let (wide, plain) = (Reaching(1.5), convolved(&small, Filter::Linear));
