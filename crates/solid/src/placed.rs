@@ -18,6 +18,8 @@ use std::ops;
 pub struct Placed {
     tape: Tape,
     grid: Grid,
+    /// Whether there is a value at every place between samples, as bounds tell.
+    is_known: bool,
 }
 
 /// Samples of a brick: in it operands that have no say are left out.
@@ -25,7 +27,10 @@ const BRICK: [usize; 3] = [32, 16, 8];
 
 impl Placed {
     pub(crate) fn new(tape: Tape, grid: &Grid) -> Self {
-        Self { tape, grid: *grid }
+        let last = grid.dims().map(|n| (n - 1) as f64);
+        let all = exactly(|| tape.range(ranges(Aabb { min: [0.0; 3], max: last })));
+        let is_known = !all.none && all.low.is_finite() && all.high.is_finite();
+        Self { tape, grid: *grid, is_known }
     }
 
     fn shortened(&self, ijk: Aabb) -> Option<Self> {
@@ -104,6 +109,11 @@ impl ScalarField for Placed {
 
     fn value(&self, ijk: [f64; 3]) -> f64 {
         exactly(|| self.tape.value(ijk))
+    }
+
+    fn is_known(&self, ijk: [f64; 3]) -> bool {
+        let is_between = |k: usize| ijk[k] >= 0.0 && ijk[k] <= (self.grid.dims()[k] - 1) as f64;
+        self.is_known && (0..3).all(is_between) || self.value(ijk).is_finite()
     }
 
     fn slope(&self, ijk: [f64; 3]) -> Slope {

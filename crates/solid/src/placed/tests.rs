@@ -41,8 +41,10 @@ fn periodic_surfaces_planes_and_formulas_conform() {
     ];
     let walls = walls.map(|surface| Shape::Periodic { surface, cell: 2.5, thickness: Some(0.2) });
     let plane = Shape::Plane { normal: [1.0, -2.0, 2.0], at: 0.5 };
-    let formula = Shape::Formula("1 - x^2 / 4 + sin(y) * exp(-z / 3)".parse().expect("a formula"));
-    for shape in walls.into_iter().chain([plane, formula]) {
+    // The second has no value where x is below 0.3.
+    let formulas = ["1 - x^2 / 4 + sin(y) * exp(-z / 3)", "sqrt(x - 0.3) + 0.2 - y"];
+    let formulas = formulas.map(|text| Shape::Formula(text.parse().expect("a formula")));
+    for shape in walls.into_iter().chain([plane]).chain(formulas) {
         check_on_lattice(&ball.clone().intersection(shape).into(), 19.0);
     }
 }
