@@ -35,13 +35,15 @@ impl Corner {
 
 impl Object {
     /// The mesh, of its own vertices and of others that its faces name, both in the order of the file; and
-    /// whether it has normals that were left out, since they differ within a vertex.
+    /// whether it has normals that were left out, since they differ within a vertex. Where some vertices have colours, others
+    /// are `plain`.
     pub(super) fn mesh(
         &self,
         own: Range<usize>,
         (positions, colors): (&[[f64; 3]], &[Option<Rgba>]),
         normals: &[[f32; 3]],
         is_ours: bool,
+        plain: Rgba,
         job: &Job,
     ) -> Result<(TriMesh, bool), ReadFault> {
         let corners = || self.faces.iter().flatten();
@@ -66,16 +68,14 @@ impl Object {
         all.extend(low.iter().map(pick));
         all.extend_from_slice(&positions[own.clone()]);
         all.extend(high.iter().map(pick));
-        // All have a colour, or none has.
         let numbers = || {
             let [low, high] = [low, high].map(|all| all.iter().map(|&vertex| vertex as usize));
             low.chain(own.clone()).chain(high)
         };
         let color = |vertex: usize| colors.get(vertex).copied().flatten();
-        let colors = match numbers().next().and_then(color) {
-            Some(_) => numbers().map(color).collect::<Option<Vec<_>>>(),
-            None => None,
-        };
+        let has_colors = numbers().any(|vertex| color(vertex).is_some());
+        let painted = numbers().map(|vertex| color(vertex).unwrap_or(plain));
+        let colors = has_colors.then(|| painted.collect());
         let attributes = Attributes { values: None, colors };
         let triangles = self.faces.iter().map(|face| face.map(|corner| renamed(corner.vertex)));
         let triangles = triangles.collect();

@@ -45,15 +45,16 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
     let mut surfaces = vec![];
     for (object, end) in objects.iter().zip(ends).filter(|(object, _)| is_object(object)) {
         let own = object.first_vertex..end;
+        let material = object.material.as_ref().and_then(|name| library.get(name));
+        let is_plain = facts.is_ours && object.color.is_none() && material == Some(&NEUTRAL);
+        let color = material.copied().filter(|_| !is_plain).or(object.color);
+        let (vertices, plain) = ((&positions[..], &painted[..]), color.unwrap_or(NEUTRAL));
         let (mesh, has_split) =
-            object.mesh(own, (&positions, &painted), &normals, facts.is_ours, file.job)?;
+            object.mesh(own, vertices, &normals, facts.is_ours, plain, file.job)?;
         let name = object.name.clone().unwrap_or_else(|| file.stem());
         if has_split {
             notes.push(format!("{name}: normals differ within a vertex; left out"));
         }
-        let material = object.material.as_ref().and_then(|name| library.get(name));
-        let is_plain = facts.is_ours && object.color.is_none() && material == Some(&NEUTRAL);
-        let color = material.copied().filter(|_| !is_plain).or(object.color);
         surfaces.push(Surface { name, color, iso: object.iso, mesh });
     }
     if !facts.is_ours {

@@ -6,8 +6,11 @@ use crate::{
         axes::y_up,
         kit::{context, fault, read_back, surface, torus, written},
     },
+    read_mesh,
 };
-use isokit_mesh::{Positions, Surface};
+use isokit_job::Job;
+use isokit_mesh::{Positions, Rgba, Surface};
+use std::fs;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
@@ -103,6 +106,22 @@ fn normals_that_differ_within_a_vertex_are_left_out() {
     let split = read_back(Format::Obj, text.replace("1//3", "1//2"));
     assert_eq!(split.surfaces[0].mesh.normals, None);
     assert_eq!(split.notes[0], "test: normals differ within a vertex; left out");
+}
+
+#[test]
+fn vertices_without_colours_have_that_of_their_surface() {
+    let text = "v 0 0 0\nv 1 0 0 0 1 0\nv 1 1 0\nv 0 1 0\no a\nf 1 2 3\no b\nf 1 3 4\n";
+    let [green, grey] = [[0, 255, 0, 255], [204, 204, 204, 255]].map(Rgba);
+    let input = read_back(Format::Obj, text);
+    let colors = |k: usize| input.surfaces[k].mesh.attributes.colors.clone();
+    assert_eq!((colors(0), colors(1)), (Some(vec![grey, green, grey]), None));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    fs::write(folder.path().join("a.mtl"), "newmtl red\nKd 1 0 0\n").unwrap();
+    fs::write(&path, format!("mtllib a.mtl\n{}", text.replace("o a", "o a\nusemtl red"))).unwrap();
+    let red = Rgba([255, 0, 0, 255]);
+    let input = read_mesh(&path, &Job::default()).unwrap();
+    assert_eq!(input.surfaces[0].mesh.attributes.colors, Some(vec![red, green, red]));
 }
 
 #[test]
