@@ -148,6 +148,17 @@ impl MeshFile<'_> {
 /// The note on a file that does not say how long a coordinate of 1 is.
 pub(super) const NO_UNIT: &str = "the file does not name its unit";
 
+/// The note on surfaces of these names, whose materials have a texture; none if there are none.
+pub(super) fn textured(names: &[String]) -> Option<String> {
+    let (first, more) = names.split_first()?;
+    Some(match more.len() {
+        0 => format!("the texture of surface {first:?} is not read, only the colours beside it"),
+        more => format!(
+            "the textures of surface {first:?} and {more} more are not read, only the colours beside them"
+        ),
+    })
+}
+
 /// The triangles of a polygon, all from its first corner.
 pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
     let pairs = corners.get(1..).unwrap_or_default().windows(2);

@@ -16,11 +16,11 @@ use crate::{
         NEUTRAL,
         axes::z_up,
         facts::{MAKER, space},
-        input::{MeshFile, MeshInput, fan},
+        input::{MeshFile, MeshInput, fan, textured},
     },
 };
 use gltf_json::{
-    Asset, Mesh, Root, mesh::Mode, mesh::Primitive, mesh::Semantic, validation::Checked,
+    Asset, Material, Mesh, Root, mesh::Mode, mesh::Primitive, mesh::Semantic, validation::Checked,
 };
 use isokit_geom::{Space, Unit};
 use isokit_mesh::{Attributes, Positions, Rgba, Surface, TriMesh};
@@ -34,16 +34,18 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadError> 
     let buffers = buffers(file, &root, bin)?;
     let accessors = Accessors { file, root: &root, buffers: &buffers };
     let world = World::of(&root.asset);
-    let (mut surfaces, mut bytes) = (vec![], 0);
+    let (mut found, mut bytes) = (Found::default(), 0);
     for node in shown(file, &root).map_err(at)? {
-        let before = surfaces.len();
-        add(&mut surfaces, &accessors, &world, &node).map_err(at)?;
+        let before = found.surfaces.len();
+        add(&mut found, &accessors, &world, &node).map_err(at)?;
         // A small file may show a large mesh many times.
-        bytes += surfaces[before..].iter().map(|surface| size(&surface.mesh)).sum::<u64>();
+        bytes += found.surfaces[before..].iter().map(|surface| size(&surface.mesh)).sum::<u64>();
         file.job.limits.allow("the surfaces", Some(bytes), 1).map_err(|over| at(over.into()))?;
     }
     let World { unit, space, .. } = world;
-    Ok(MeshInput { surfaces, format: file.format, unit, space, notes: vec![] })
+    let Found { surfaces, with_texture } = found;
+    let notes = textured(&with_texture).into_iter().collect();
+    Ok(MeshInput { surfaces, format: file.format, unit, space, notes })
 }
 
 /// Goes on if no extension is required that would change a shape.
@@ -90,9 +92,17 @@ impl World {
     }
 }
 
+/// What was read so far.
+#[derive(Default)]
+struct Found {
+    surfaces: Vec<Surface>,
+    /// Names of those with a texture, which says of their colour what nothing else does.
+    with_texture: Vec<String>,
+}
+
 /// Adds the surfaces of a node.
 fn add(
-    surfaces: &mut Vec<Surface>,
+    found: &mut Found,
     accessors: &Accessors<'_>,
     world: &World,
     Shown { node, transform }: &Shown<'_>,
@@ -104,7 +114,7 @@ fn add(
         // An empty surface of ours; anybody else's is a joint or a group.
         if world.is_ours && node.children.is_none() {
             let name = name.unwrap_or_default();
-            surfaces.push(Surface { name, iso, ..Surface::default() });
+            found.surfaces.push(Surface { name, iso, ..Surface::default() });
         }
         return Ok(());
     };
@@ -116,12 +126,18 @@ fn add(
     let name = name.or_else(|| mesh.name.clone()).unwrap_or_default();
     for (number, primitive) in mesh.primitives.iter().enumerate() {
         let name = if number == 0 { name.clone() } else { format!("{name}_{}", number + 1) };
-        let color = color(accessors.root, primitive);
+        let material = material(accessors.root, primitive);
+        let color = material.map(color);
         let mesh = triangles(accessors, world, transform, primitive, place)?;
         // Of ours, where it only says that there is none.
         let plain = if mesh.attributes.colors.is_some() { Rgba([u8::MAX; 4]) } else { NEUTRAL };
         let color = color.filter(|&color| !(world.is_ours && color == plain));
-        surfaces.push(Surface { name, color, iso, mesh });
+        let has_texture = |it: &Material| it.pbr_metallic_roughness.base_color_texture.is_some();
+        // Colours of vertices would be multiplied by those of the texture.
+        if material.is_some_and(has_texture) {
+            found.with_texture.push(name.clone());
+        }
+        found.surfaces.push(Surface { name, color, iso, mesh });
     }
     Ok(())
 }
@@ -132,9 +148,12 @@ fn size(mesh: &TriMesh) -> u64 {
     12 * (mesh.positions.len() + normals + attributes + mesh.triangles.len()) as u64
 }
 
-fn color(root: &Root, primitive: &Primitive) -> Option<Rgba> {
-    let material = root.get(primitive.material?)?;
-    Some(Rgba::from_linear(material.pbr_metallic_roughness.base_color_factor.0))
+fn material<'a>(root: &'a Root, primitive: &Primitive) -> Option<&'a Material> {
+    root.get(primitive.material?)
+}
+
+fn color(material: &Material) -> Rgba {
+    Rgba::from_linear(material.pbr_metallic_roughness.base_color_factor.0)
 }
 
 fn triangles(
@@ -186,7 +205,7 @@ fn attributes(
     count: usize,
 ) -> Result<Attributes, ReadFault> {
     let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-    let material = primitive.material.and_then(|index| accessors.root.get(index));
+    let material = material(accessors.root, primitive);
     let base = material.map_or([1.0; 4], |it| it.pbr_metallic_roughness.base_color_factor.0);
     let color =
         |linear: [f64; 4]| Rgba::from_linear(std::array::from_fn(|k| linear[k] as f32 * base[k]));

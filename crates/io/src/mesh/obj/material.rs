@@ -1,6 +1,6 @@
 //! MTL: the colours that an OBJ names.
 //!
-//! Only `Kd`, `d` and `Tr` are read; textures and shine say nothing of a surface's shape.
+//! Only `Kd`, `d` and `Tr` are read, and whether there is a texture; shine says nothing of a surface's shape.
 
 use crate::mesh::{NEUTRAL, SurfaceHead, facts::MAKER};
 use isokit_mesh::Rgba;
@@ -20,9 +20,24 @@ pub(super) fn text<'a>(
     text
 }
 
-/// The colours of a library by the names of their materials. What is not understood is passed over.
-pub(super) fn colors(text: &str) -> HashMap<&str, Rgba> {
-    let mut colors = HashMap::new();
+/// What is read of a material.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Material {
+    pub(super) color: Option<Rgba>,
+    /// Whether a picture, which is not read, says what its colour is.
+    pub(super) has_texture: bool,
+}
+
+impl Material {
+    /// Its colour, which is white until something is said of it.
+    fn color(&mut self) -> &mut Rgba {
+        self.color.get_or_insert(Rgba([u8::MAX; 4]))
+    }
+}
+
+/// The materials of a library by their names. What is not understood is passed over.
+pub(super) fn materials(text: &str) -> HashMap<&str, Material> {
+    let mut materials = HashMap::<_, Material>::new();
     let mut current = None;
     for line in text.lines() {
         let line = line.trim();
@@ -33,25 +48,29 @@ pub(super) fn colors(text: &str) -> HashMap<&str, Rgba> {
             "newmtl" => current = Some(value.trim()),
             "Kd" => {
                 if let (Some(name), Some(r), Some(g), Some(b)) = (current, byte(), byte(), byte()) {
-                    let Rgba([.., a]) = *colors.entry(name).or_insert(Rgba([u8::MAX; 4]));
-                    colors.insert(name, Rgba([r, g, b, a]));
+                    materials.entry(name).or_default().color().0[..3].copy_from_slice(&[r, g, b]);
                 }
             }
             "d" | "Tr" => {
                 if let (Some(name), Some(byte)) = (current, byte()) {
                     let opacity = if key == "d" { byte } else { u8::MAX - byte };
-                    colors.entry(name).or_insert(Rgba([u8::MAX; 4])).0[3] = opacity;
+                    materials.entry(name).or_default().color().0[3] = opacity;
+                }
+            }
+            "map_Kd" => {
+                if let Some(name) = current.filter(|_| !value.trim().is_empty()) {
+                    materials.entry(name).or_default().has_texture = true;
                 }
             }
             _ => {}
         }
     }
-    colors
+    materials
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{colors, text};
+    use super::{Material, materials, text};
     use crate::SurfaceHead;
     use isokit_mesh::Rgba;
 
@@ -61,13 +80,24 @@ mod tests {
             let color = Rgba([byte, 255 - byte, 7, byte]);
             let surface = SurfaceHead { color: Some(color), ..SurfaceHead::default() };
             let text = text([&surface].into_iter(), &["a".into()]);
-            assert_eq!(colors(&text)["a"], color);
+            let material = Material { color: Some(color), has_texture: false };
+            assert_eq!(materials(&text)["a"], material);
         }
     }
 
     #[test]
     fn broken_lines_say_nothing() {
         let text = "Kd 1 1 1\nnewmtl a b\nKd 1 0\nKd red\nTr 0.25\nd\n\nnewmtl\nKd 0 0 0";
-        assert_eq!(colors(text).get("a b"), Some(&Rgba([255, 255, 255, 191])));
+        let color = Some(Rgba([255, 255, 255, 191]));
+        assert_eq!(materials(text)["a b"], Material { color, has_texture: false });
+    }
+
+    #[test]
+    fn a_texture_is_no_colour() {
+        let all = materials(
+            "newmtl a\nmap_Kd -s 1 1 1 a b.png\nnewmtl b\nmap_Kd \nmap_Ks c.png\nKd 0 0 0",
+        );
+        assert_eq!(all["a"], Material { color: None, has_texture: true });
+        assert_eq!(all["b"], Material { color: Some(Rgba([0, 0, 0, 255])), has_texture: false });
     }
 }

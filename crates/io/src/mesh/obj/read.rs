@@ -6,7 +6,7 @@
 //! which tears the surface.
 
 use super::{
-    material,
+    material::{self, Material},
     object::{Corner, Object},
     write::IS_F64,
 };
@@ -16,7 +16,7 @@ use crate::{
         NEUTRAL,
         axes::z_up,
         facts::Facts,
-        input::{MeshFile, MeshInput, NO_UNIT, fan, load},
+        input::{MeshFile, MeshInput, NO_UNIT, fan, load, textured},
     },
     text::shown,
 };
@@ -35,19 +35,20 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
     content.check(file)?;
     let Content { positions, colors: painted, normals, objects, facts, libraries, .. } = content;
     let mut notes = vec![];
-    let library = colors(file, &libraries, &mut notes);
+    let library = materials(file, &libraries, &mut notes);
     let counts = [positions.len(), normals.len()];
     // What stands before the first `o` is an object only if it has faces.
     let is_one = objects.len() == 1 && !positions.is_empty();
     let is_object = |object: &&Object| is_one || object.name.is_some() || !object.faces.is_empty();
     let ends = objects.iter().skip(1).map(|next| next.first_vertex).chain([counts[0]]);
     let ends: Vec<_> = ends.collect();
-    let mut surfaces = vec![];
+    let (mut surfaces, mut with_texture) = (vec![], vec![]);
     for (object, end) in objects.iter().zip(ends).filter(|(object, _)| is_object(object)) {
         let own = object.first_vertex..end;
         let material = object.material.as_ref().and_then(|name| library.get(name));
-        let is_plain = facts.is_ours && object.color.is_none() && material == Some(&NEUTRAL);
-        let color = material.copied().filter(|_| !is_plain).or(object.color);
+        let Material { color, has_texture } = material.copied().unwrap_or_default();
+        let is_plain = facts.is_ours && object.color.is_none() && color == Some(NEUTRAL);
+        let color = color.filter(|_| !is_plain).or(object.color);
         let (vertices, plain) = ((&positions[..], &painted[..]), color.unwrap_or(NEUTRAL));
         let (mesh, has_split) =
             object.mesh(own, vertices, &normals, facts.is_ours, plain, file.job)?;
@@ -55,8 +56,12 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
         if has_split {
             notes.push(format!("{name}: normals differ within a vertex; left out"));
         }
+        if has_texture && mesh.attributes.colors.is_none() {
+            with_texture.push(name.clone());
+        }
         surfaces.push(Surface { name, color, iso: object.iso, mesh });
     }
+    notes.extend(textured(&with_texture));
     if !facts.is_ours {
         notes.push("OBJ does not say which axis is up; y is taken to be".to_owned());
     }
@@ -67,13 +72,13 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
     Ok(MeshInput { surfaces, format, unit, space, notes })
 }
 
-/// The colours of all libraries that are there.
-fn colors(
+/// The materials of all libraries that are there.
+fn materials(
     file: MeshFile<'_>,
     libraries: &[String],
     notes: &mut Vec<String>,
-) -> HashMap<String, Rgba> {
-    let mut colors = HashMap::new();
+) -> HashMap<String, Material> {
+    let mut materials = HashMap::new();
     for library in libraries {
         let found = file.sibling(library).and_then(|path| load(&path, file.job).ok());
         let Some(bytes) = found else {
@@ -81,10 +86,10 @@ fn colors(
             continue;
         };
         let text = String::from_utf8_lossy(&bytes);
-        let named = material::colors(&text).into_iter();
-        colors.extend(named.map(|(name, color)| (name.to_owned(), color)));
+        let named = material::materials(&text).into_iter();
+        materials.extend(named.map(|(name, material)| (name.to_owned(), material)));
     }
-    colors
+    materials
 }
 
 /// A line with its number; one that ends with `\` goes on in the next, if it is no remark.

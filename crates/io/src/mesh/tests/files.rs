@@ -116,6 +116,21 @@ fn colours_of_materials_are_read_where_we_did_not_write_them() {
 }
 
 #[test]
+fn a_texture_of_a_material_is_not_read_and_a_note_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    fs::write(folder.path().join("m.mtl"), "newmtl brick\nKd 1 0 0\nmap_Kd brick.png\n").unwrap();
+    let notes = |color: &str| {
+        let vertices = format!("v 0 0 0{color}\nv 1 0 0{color}\nv 0 1 0{color}\n");
+        fs::write(&path, format!("mtllib m.mtl\n{vertices}usemtl brick\nf 1 2 3")).unwrap();
+        read_mesh(&path, &Job::default()).unwrap().notes
+    };
+    let says = r#"the texture of surface "a" is not read, only the colours beside it"#;
+    assert_eq!(notes("")[0], says);
+    assert!(notes(" 0 1 0").iter().all(|note| note != says), "vertices have colours of their own");
+}
+
+#[test]
 fn a_packed_file_is_unpacked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply.gz");

@@ -81,6 +81,27 @@ fn quantised_strips_are_read_in_metres() {
 }
 
 #[test]
+fn a_texture_is_not_read_and_a_note_says_so() {
+    assert_eq!(read_back(Format::Gltf, square().to_string()).notes, [""; 0]);
+    let file = |nodes: Value| {
+        let mut file = square();
+        let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+        file["materials"] = json!([material]);
+        file["textures"] = json!([{"source": 0}]);
+        file["images"] = json!([{"uri": "data:image/png;base64,eA=="}]);
+        file["nodes"] = nodes;
+        read_back(Format::Gltf, file.to_string())
+    };
+    let one = file(json!([{"mesh": 0, "name": "square"}]));
+    let says = r#"the texture of surface "square" is not read, only the colours beside it"#;
+    assert_eq!((one.notes, one.surfaces[0].color), (vec![says.into()], Some(Rgba([255; 4]))));
+    let three = file(json!([{"mesh": 0, "name": "square"}, {"mesh": 0}, {"mesh": 0}]));
+    let says =
+        r#"the textures of surface "square" and 2 more are not read, only the colours beside them"#;
+    assert_eq!(three.notes, [says]);
+}
+
+#[test]
 fn fans_and_lists_without_indices_are_read_too() {
     let fan = read_back(Format::Gltf, with("/meshes/0/primitives/0/mode", json!(6)));
     assert_eq!(fan.surfaces[0].mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
