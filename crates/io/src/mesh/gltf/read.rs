@@ -20,7 +20,8 @@ use crate::{
     },
 };
 use gltf_json::{
-    Asset, Material, Mesh, Root, mesh::Mode, mesh::Primitive, mesh::Semantic, validation::Checked,
+    Asset, Material, Mesh, Root, material::AlphaMode, mesh::Mode, mesh::Primitive, mesh::Semantic,
+    validation::Checked,
 };
 use isokit_geom::{Space, Unit};
 use isokit_mesh::{Attributes, Positions, Rgba, Surface, TriMesh};
@@ -153,7 +154,18 @@ fn material<'a>(root: &'a Root, primitive: &Primitive) -> Option<&'a Material> {
 }
 
 fn color(material: &Material) -> Rgba {
-    Rgba::from_linear(material.pbr_metallic_roughness.base_color_factor.0)
+    Rgba::from_linear(shown_color(
+        Some(material),
+        material.pbr_metallic_roughness.base_color_factor.0,
+    ))
+}
+
+/// A colour as its material shows it: where it is not said to blend or to mask, opacity counts for nothing.
+fn shown_color(material: Option<&Material>, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+    let has_opacity = material.is_some_and(|material| {
+        matches!(material.alpha_mode, Checked::Valid(AlphaMode::Blend | AlphaMode::Mask))
+    });
+    [r, g, b, if has_opacity { a } else { 1.0 }]
 }
 
 fn triangles(
@@ -207,8 +219,10 @@ fn attributes(
     let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
     let material = material(accessors.root, primitive);
     let base = material.map_or([1.0; 4], |it| it.pbr_metallic_roughness.base_color_factor.0);
-    let color =
-        |linear: [f64; 4]| Rgba::from_linear(std::array::from_fn(|k| linear[k] as f32 * base[k]));
+    let color = |linear: [f64; 4]| {
+        let whole = std::array::from_fn(|k| linear[k] as f32 * base[k]);
+        Rgba::from_linear(shown_color(material, whole))
+    };
     let colors = match attribute(Semantic::Colors(0)) {
         Some(index) => Some(accessors.colors(index)?.into_iter().map(color).collect::<Vec<_>>()),
         None => None,

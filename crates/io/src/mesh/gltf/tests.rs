@@ -9,7 +9,7 @@ use crate::{
 use gltf::{Gltf, material::AlphaMode};
 use isokit_geom::Unit;
 use isokit_job::Job;
-use isokit_mesh::{Positions, Surface, TriMesh};
+use isokit_mesh::{Positions, Rgba, Surface, TriMesh};
 
 fn open(surfaces: &[Surface], context: &MeshContext) -> Gltf {
     Gltf::from_slice(&written(Format::Glb, surfaces, context).0).unwrap()
@@ -45,6 +45,21 @@ fn each_surface_is_a_node_a_mesh_and_a_material() {
     assert_eq!((glb.materials().len(), glb.meshes().len()), (2, 2));
     let color = glb.materials().next().unwrap().pbr_metallic_roughness().base_color_factor();
     assert_eq!(color, surface(6).color.unwrap().to_linear());
+}
+
+#[test]
+fn a_translucent_vertex_makes_the_material_blend() {
+    for (opacity, mode) in [(254, AlphaMode::Blend), (255, AlphaMode::Opaque)] {
+        let mut surface = Surface { color: None, ..surface(3) };
+        let mut colors = vec![Rgba([9, 8, 7, 255]); 9];
+        colors[4].0[3] = opacity;
+        surface.mesh.attributes.colors = Some(colors.clone());
+        let bytes = written(Format::Glb, &[surface], &context()).0;
+        let glb = Gltf::from_slice(&bytes).unwrap();
+        assert_eq!(glb.materials().next().unwrap().alpha_mode(), mode);
+        let found = &read_back(Format::Glb, bytes).surfaces[0];
+        assert_eq!((&found.mesh.attributes.colors, found.color), (&Some(colors), None));
+    }
 }
 
 #[test]

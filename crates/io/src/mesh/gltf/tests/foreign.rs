@@ -102,6 +102,34 @@ fn a_texture_is_not_read_and_a_note_says_so() {
 }
 
 #[test]
+fn opacity_counts_only_where_the_material_says_so() {
+    let file = |mode: Option<&str>| {
+        let mut file = square();
+        // The positions are quantised: as colours, they are 0 and a part of 32767, with an opacity of 7.
+        let attributes = json!({"POSITION": 0, "COLOR_0": 2});
+        file["meshes"][0]["primitives"][0]["attributes"] = attributes;
+        let colors = json!({"bufferView": 0, "componentType": 5122, "type": "VEC4", "count": 4, "normalized": true});
+        file["accessors"].as_array_mut().unwrap().push(colors);
+        let color = json!({"baseColorFactor": [1.0, 0.0, 0.0, 0.5]});
+        file["materials"] = json!([{"pbrMetallicRoughness": color}]);
+        if let Some(mode) = mode {
+            file["materials"][0]["alphaMode"] = json!(mode);
+        }
+        let surface = read_back(Format::Gltf, file.to_string()).surfaces.remove(0);
+        (surface.color.unwrap().0[3], surface.mesh.attributes.colors.unwrap()[0].0[3])
+    };
+    assert_eq!([file(None), file(Some("OPAQUE"))], [(255, 255); 2]);
+    assert_eq!([file(Some("BLEND")), file(Some("MASK"))], [(128, 0); 2]);
+    let mut plain = square();
+    let attributes = json!({"POSITION": 0, "COLOR_0": 2});
+    plain["meshes"][0]["primitives"][0] = json!({"attributes": attributes, "mode": 5});
+    let colors = json!({"componentType": 5126, "type": "VEC4", "count": 4});
+    plain["accessors"].as_array_mut().unwrap().push(colors);
+    let surfaces = read_back(Format::Gltf, plain.to_string()).surfaces;
+    assert_eq!(surfaces[0].mesh.attributes.colors, Some(vec![Rgba([0, 0, 0, 255]); 4]));
+}
+
+#[test]
 fn fans_and_lists_without_indices_are_read_too() {
     let fan = read_back(Format::Gltf, with("/meshes/0/primitives/0/mode", json!(6)));
     assert_eq!(fan.surfaces[0].mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
