@@ -148,6 +148,19 @@ impl MeshFile<'_> {
 /// The note on a file that does not say how long a coordinate of 1 is.
 pub(super) const NO_UNIT: &str = "the file does not name its unit";
 
+/// Whether a part of a colour is not from 0 to 1, by more than rounding, or is no number.
+pub(super) fn is_beyond(part: f64) -> bool {
+    const ROUNDING: f64 = 1e-3;
+    !(-ROUNDING..=1.0 + ROUNDING).contains(&part)
+}
+
+/// The note on so many vertices with such a part; none if there are none.
+pub(super) fn beyond(count: usize) -> Option<String> {
+    let vertices = if count == 1 { "vertex has a colour" } else { "vertices have colours" };
+    (count > 0)
+        .then(|| format!("{count} {vertices} with numbers that are not from 0 to 1; cut to that"))
+}
+
 /// The note on surfaces of these names, whose materials have a texture; none if there are none.
 pub(super) fn textured(names: &[String]) -> Option<String> {
     let (first, more) = names.split_first()?;

@@ -16,7 +16,7 @@ use crate::{
         NEUTRAL,
         axes::z_up,
         facts::{MAKER, space},
-        input::{MeshFile, MeshInput, fan, textured},
+        input::{MeshFile, MeshInput, beyond, fan, is_beyond, textured},
     },
 };
 use gltf_json::{
@@ -44,8 +44,8 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadError> 
         file.job.limits.allow("the surfaces", Some(bytes), 1).map_err(|over| at(over.into()))?;
     }
     let World { unit, space, .. } = world;
-    let Found { surfaces, with_texture } = found;
-    let notes = textured(&with_texture).into_iter().collect();
+    let notes = textured(&found.with_texture).into_iter().chain(beyond(found.beyond)).collect();
+    let surfaces = found.surfaces;
     Ok(MeshInput { surfaces, format: file.format, unit, space, notes })
 }
 
@@ -99,6 +99,8 @@ struct Found {
     surfaces: Vec<Surface>,
     /// Names of those with a texture, which says of their colour what nothing else does.
     with_texture: Vec<String>,
+    /// How many vertices have a colour with a part that is not from 0 to 1.
+    beyond: usize,
 }
 
 /// Adds the surfaces of a node.
@@ -129,7 +131,7 @@ fn add(
         let name = if number == 0 { name.clone() } else { format!("{name}_{}", number + 1) };
         let material = material(accessors.root, primitive);
         let color = material.map(color);
-        let mesh = triangles(accessors, world, transform, primitive, place)?;
+        let mesh = triangles(accessors, world, transform, primitive, (place, &mut found.beyond))?;
         // Of ours, where it only says that there is none.
         let plain = if mesh.attributes.colors.is_some() { Rgba([u8::MAX; 4]) } else { NEUTRAL };
         let color = color.filter(|&color| !(world.is_ours && color == plain));
@@ -173,7 +175,7 @@ fn triangles(
     world: &World,
     transform: &Transform,
     primitive: &Primitive,
-    place: Place,
+    (place, beyond): (Place, &mut usize),
 ) -> Result<TriMesh, ReadFault> {
     let file = accessors.file;
     let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
@@ -182,7 +184,7 @@ fn triangles(
     let positions = accessors.vectors(positions)?;
     let normals = attribute(Semantic::Normals).map(|index| accessors.vectors(index)).transpose()?;
     let count = positions.len();
-    let attributes = attributes(accessors, primitive, place, count)?;
+    let attributes = attributes(accessors, primitive, (place, beyond), count)?;
     if let Some(found) = normals.as_ref().map(Vec::len).filter(|&found| found != count) {
         return Err(file.broken(place, format!("{count} normals"), found.to_string()));
     }
@@ -213,18 +215,21 @@ fn triangles(
 fn attributes(
     accessors: &Accessors<'_>,
     primitive: &Primitive,
-    place: Place,
+    (place, beyond): (Place, &mut usize),
     count: usize,
 ) -> Result<Attributes, ReadFault> {
     let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
     let material = material(accessors.root, primitive);
     let base = material.map_or([1.0; 4], |it| it.pbr_metallic_roughness.base_color_factor.0);
-    let color = |linear: [f64; 4]| {
+    let mut color = |linear: [f64; 4]| {
+        *beyond += usize::from(linear.into_iter().any(is_beyond));
         let whole = std::array::from_fn(|k| linear[k] as f32 * base[k]);
         Rgba::from_linear(shown_color(material, whole))
     };
     let colors = match attribute(Semantic::Colors(0)) {
-        Some(index) => Some(accessors.colors(index)?.into_iter().map(color).collect::<Vec<_>>()),
+        Some(index) => {
+            Some(accessors.colors(index)?.into_iter().map(&mut color).collect::<Vec<_>>())
+        }
         None => None,
     };
     let values = attribute(Semantic::Extras(VALUE.to_owned()));

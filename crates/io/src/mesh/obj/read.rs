@@ -16,7 +16,7 @@ use crate::{
         NEUTRAL,
         axes::z_up,
         facts::Facts,
-        input::{MeshFile, MeshInput, NO_UNIT, fan, load, textured},
+        input::{MeshFile, MeshInput, NO_UNIT, beyond, fan, is_beyond, load, textured},
     },
     text::shown,
 };
@@ -33,8 +33,8 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
         content.take(file, statement)?;
     }
     content.check(file)?;
+    let mut notes: Vec<_> = beyond(content.beyond).into_iter().collect();
     let Content { positions, colors: painted, normals, objects, facts, libraries, .. } = content;
-    let mut notes = vec![];
     let library = materials(file, &libraries, &mut notes);
     let counts = [positions.len(), normals.len()];
     // What stands before the first `o` is an object only if it has faces.
@@ -119,6 +119,8 @@ struct Content {
     positions: Vec<[f64; 3]>,
     /// As many as vertices up to the last that has one.
     colors: Vec<Option<Rgba>>,
+    /// How many of them have a part that is not from 0 to 1.
+    beyond: usize,
     normals: Vec<[f32; 3]>,
     objects: Vec<Object>,
     facts: Facts,
@@ -148,9 +150,11 @@ impl Content {
                     false => word.parse().ok(),
                 });
                 self.positions.push(z_up(xyz.ok_or_else(|| broken("three coordinates"))?));
-                if let Some(color) = color(rest) {
+                if let Some(parts) = color(rest) {
+                    let [r, g, b] = parts.map(|part| (part * 255.0).round() as u8);
                     self.colors.resize(self.positions.len() - 1, None);
-                    self.colors.push(Some(color));
+                    self.colors.push(Some(Rgba([r, g, b, u8::MAX])));
+                    self.beyond += usize::from(parts.into_iter().any(is_beyond));
                 }
             }
             "vn" => {
@@ -259,12 +263,12 @@ impl Content {
 }
 
 /// The colour behind the coordinates of a vertex: three numbers from 0 to 1.
-fn color(text: &str) -> Option<Rgba> {
+fn color(text: &str) -> Option<[f64; 3]> {
     let mut words = text.split_whitespace().skip(3);
     let mut part = || words.next()?.parse::<f64>().ok().filter(|part| part.is_finite());
-    let [r, g, b] = [part()?, part()?, part()?].map(|part| (part * 255.0).round() as u8);
+    let parts = [part()?, part()?, part()?];
     // Seven numbers are a weight and a colour, and nobody writes them.
-    words.next().is_none().then_some(Rgba([r, g, b, u8::MAX]))
+    words.next().is_none().then_some(parts)
 }
 
 /// The first three numbers; a weight or a colour may follow.

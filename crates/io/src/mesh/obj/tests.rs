@@ -125,6 +125,15 @@ fn vertices_without_colours_have_that_of_their_surface() {
 }
 
 #[test]
+fn colours_in_bytes_are_said_to_be_beyond() {
+    let text = "v 0 0 0 0 0 0\nv 1 0 0 255 31 0\nv 1 1 0 0 1 0\nf 1 2 3\n";
+    let says = "1 vertex has a colour with numbers that are not from 0 to 1; cut to that";
+    assert_eq!(read_back(Format::Obj, text).notes[0], says);
+    let notes = read_back(Format::Obj, text.replace("255 31", "1 0.5")).notes;
+    assert_eq!(notes.len(), 2, "{notes:?}");
+}
+
+#[test]
 fn a_surface_far_from_the_origin_is_read_in_f64() {
     let near = read_back(Format::Obj, format!("{SQUARE}f 1 2 3"));
     assert!(matches!(near.surfaces[0].mesh.positions, Positions::F32(_)));

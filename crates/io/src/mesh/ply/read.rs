@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Place, ReadFault,
-    mesh::input::{MeshFile, MeshInput, NO_UNIT, fan},
+    mesh::input::{MeshFile, MeshInput, NO_UNIT, beyond as beyond_note, fan, is_beyond},
 };
 use isokit_geom::Unit;
 use isokit_mesh::{Attributes, Positions, Rgba, Surface, TriMesh};
@@ -32,7 +32,7 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
     }
     let end = Place::Line(header.lines);
     let nothing = || file.broken(end, "an element named vertex", "none");
-    let Vertices { positions, normals, attributes } = vertices.ok_or_else(nothing)?;
+    let Vertices { positions, normals, attributes, beyond } = vertices.ok_or_else(nothing)?;
     faces.check(file, positions.len())?;
     let facts = header.facts;
     let unnamed = || if facts.is_ours { String::new() } else { file.stem() };
@@ -42,7 +42,8 @@ pub(in crate::mesh) fn read(file: MeshFile<'_>) -> Result<MeshInput, ReadFault> 
         iso: facts.iso,
         mesh: TriMesh { positions, normals, triangles: faces.triangles, attributes },
     };
-    let notes = if facts.unit == Unit::Unknown { vec![NO_UNIT.to_owned()] } else { vec![] };
+    let no_unit = (facts.unit == Unit::Unknown).then(|| NO_UNIT.to_owned());
+    let notes = beyond_note(beyond).into_iter().chain(no_unit).collect();
     let (format, unit, space) = (file.format, facts.unit, facts.space);
     Ok(MeshInput { surfaces: vec![surface], format, unit, space, notes })
 }
@@ -51,6 +52,8 @@ struct Vertices {
     positions: Positions,
     normals: Option<Vec<[f32; 3]>>,
     attributes: Attributes,
+    /// How many have a colour with a part that is not from 0 to 1.
+    beyond: usize,
 }
 
 impl Vertices {
@@ -89,14 +92,15 @@ impl Vertices {
         let mut normals = limits.vec("normals", count.filter(|_| has_normals).or(Some(0)))?;
         let mut colors = limits.vec("colours", count.filter(|_| has_colors).or(Some(0)))?;
         let mut numbers = limits.vec("values", count.filter(|_| has_values).or(Some(0)))?;
+        let mut beyond = 0;
         for number in 0..element.count as usize {
             file.pace(number)?;
             let mut vertex = [0.0; 11];
-            vertex[9] = 255.0; // opaque, if nobody says
+            vertex[9] = 1.0; // opaque, if nobody says
             for (property, slot) in element.properties.iter().zip(&slots) {
                 match slot {
                     Some(slot @ 6..10) => {
-                        vertex[*slot] = byte(values.next(property.number)?, property.number);
+                        vertex[*slot] = part(values.next(property.number)?, property.number);
                     }
                     Some(slot) => vertex[*slot] = values.next(property.number)?,
                     None => skip_one(values, property)?,
@@ -104,7 +108,10 @@ impl Vertices {
             }
             let [x, y, z, nx, ny, nz, r, g, b, a, value] = vertex;
             if has_colors {
-                colors.push(Rgba([r, g, b, a].map(|c| c as u8)));
+                let parts = [r, g, b, a];
+                beyond += usize::from(parts.into_iter().any(is_beyond));
+                // What is beyond a byte becomes the nearest, and no number 0.
+                colors.push(Rgba(parts.map(|part| (part * 255.0).round() as u8)));
             }
             if has_values {
                 numbers.push(value as f32);
@@ -122,20 +129,19 @@ impl Vertices {
             values: has_values.then_some(numbers),
             colors: has_colors.then_some(colors),
         };
-        Ok(Self { positions, normals: has_normals.then_some(normals), attributes })
+        Ok(Self { positions, normals: has_normals.then_some(normals), attributes, beyond })
     }
 }
 
-/// A part of a colour as a byte: whole numbers of a byte are one, of more bytes a part of their range, others a
-/// part of 1.
-fn byte(number: f64, kind: Number) -> f64 {
+/// A part of a colour, from 0 to 1: whole numbers are a part of the range of as many bytes.
+fn part(number: f64, kind: Number) -> f64 {
     let whole = match kind {
         Number::I8 | Number::U8 => 255.0,
         Number::I16 | Number::U16 => f64::from(u16::MAX),
         Number::I32 | Number::U32 => f64::from(u32::MAX),
         Number::F32 | Number::F64 => 1.0,
     };
-    (number / whole * 255.0).round().clamp(0.0, 255.0)
+    number / whole
 }
 
 #[derive(Default)]

@@ -5,7 +5,7 @@ use crate::{
     mesh::kit::{context, fault, read_back, surface, written},
 };
 use isokit_geom::Space;
-use isokit_mesh::Positions;
+use isokit_mesh::{Positions, Rgba};
 
 /// A triangle in text, with some lines of the header and all of the body replaced.
 fn triangle(header: &str, body: &str) -> String {
@@ -53,6 +53,21 @@ fn polygons_become_fans_and_strangers_are_passed_over() {
     assert!(positions[4][0] == 7e300 && positions[4][1].is_nan() && positions[4][2] == 0.1);
     assert_eq!(input.surfaces[0].name, "test", "the file's");
     assert_eq!(input.notes, ["the file does not name its unit"]);
+}
+
+#[test]
+fn numbers_of_colours_that_are_beyond_are_said_once() {
+    let colors = ["red", "green", "blue"].map(|name| format!("\nproperty float {name}")).concat();
+    let read = |rest: &str| {
+        let body = format!("0 0 0 0 0.5 1\n1 0 0 {rest}\n0 1 0 {rest}\n3 0 1 2\n");
+        read_back(Format::Ply, triangle(&format!("{VERTICES}{colors}\n{FACES}"), &body))
+    };
+    let found = read("-3 nan 255");
+    let expected = [[0, 128, 255, 255], [0, 0, 255, 255], [0, 0, 255, 255]].map(Rgba);
+    assert_eq!(found.surfaces[0].mesh.attributes.colors, Some(expected.to_vec()));
+    let says = "2 vertices have colours with numbers that are not from 0 to 1; cut to that";
+    assert_eq!(found.notes[0], says);
+    assert_eq!(read("0 0 1.0000002").notes.len(), 1, "the unit alone");
 }
 
 #[test]

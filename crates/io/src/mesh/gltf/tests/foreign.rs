@@ -130,6 +130,21 @@ fn opacity_counts_only_where_the_material_says_so() {
 }
 
 #[test]
+fn numbers_of_colours_that_are_beyond_are_said() {
+    let notes = |normalized: bool| {
+        let mut file = square();
+        let attributes = json!({"POSITION": 0, "COLOR_0": 2});
+        file["meshes"][0]["primitives"][0]["attributes"] = attributes;
+        let colors = json!({"bufferView": 0, "componentType": 5122, "type": "VEC3", "count": 4, "normalized": normalized});
+        file["accessors"].as_array_mut().unwrap().push(colors);
+        read_back(Format::Gltf, file.to_string()).notes
+    };
+    assert_eq!(notes(true), [""; 0]);
+    let says = "3 vertices have colours with numbers that are not from 0 to 1; cut to that";
+    assert_eq!(notes(false), [says]);
+}
+
+#[test]
 fn fans_and_lists_without_indices_are_read_too() {
     let fan = read_back(Format::Gltf, with("/meshes/0/primitives/0/mode", json!(6)));
     assert_eq!(fan.surfaces[0].mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
