@@ -114,6 +114,21 @@ struct Described {
     notes: Vec<String>,
 }
 
+/// How messages name several volumes, of each of which the samples are several numbers; none if they are not so.
+fn several(
+    volumes: u64,
+    triples: Option<&Triples>,
+    colored: Option<&Colored>,
+) -> Option<&'static str> {
+    let says = match (triples, colored) {
+        (Some(_), Some(_)) => "several volumes of vectors or colours",
+        (Some(_), None) => "several volumes of vectors",
+        (None, Some(_)) => "several volumes of colours",
+        (None, None) => return None,
+    };
+    (volumes > 1).then_some(says)
+}
+
 /// How messages name samples that have a lawful type, but none of ours.
 fn sample_feature(name: &str) -> String {
     match name {

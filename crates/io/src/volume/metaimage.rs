@@ -9,7 +9,7 @@ use super::{
     colors::Colored,
     files::DataFiles,
     place::{EXPECTED, completed},
-    sample_feature,
+    sample_feature, several,
     stored::{Coding, Skip, Stored},
     vectors::{ADVICE, ALONG_AXES, Layout, Triples},
 };
@@ -101,8 +101,8 @@ impl Header {
         let dtype = self.dtype()?;
         let dims = std::array::from_fn(|axis| sizes.get(axis).copied().unwrap_or(1));
         let (triples, colored) = self.channels(dims, dtype)?;
-        if (triples.is_some() || colored.is_some()) && volumes > 1 {
-            return Err(self.need("DimSize")?.unsupported("several volumes of vectors"));
+        if let Some(says) = several(volumes, triples.as_ref(), colored.as_ref()) {
+            return Err(self.need("DimSize")?.unsupported(says));
         }
         Ok(Described {
             dims,

@@ -74,12 +74,12 @@ fn what_is_prepared_has_no_name_yet() {
 
 /// A file with this header and enough bytes.
 #[track_caller]
-fn check(name: &str, header: &str, expected: Option<Channels>) {
+fn check(name: &str, header: &str, expected: Option<(Channels, &str)>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     let bytes: Vec<u8> = (0..96).collect();
     fs::write(&path, [header.as_bytes(), &bytes].concat()).unwrap();
-    let Some(channels) = expected else {
+    let Some((channels, says)) = expected else {
         assert!(open(&path).is_none(), "{header}");
         return;
     };
@@ -88,9 +88,12 @@ fn check(name: &str, header: &str, expected: Option<Channels>) {
     let found = file.collect(&Job::default()).unwrap();
     assert_eq!(found.samples(), &bytes[..24 * channels.count()]);
     let refusal = refusal(&path);
-    let says = ["they are colours", "--quantity says what is read of vectors"];
-    assert!(says.iter().any(|says| refusal.contains(says)), "{refusal}");
+    assert!(refusal.contains(says), "{header}: {refusal}");
 }
+
+/// What is said to who wants values of what can only be colours, and of what may be vectors too.
+const COLORS: &str = "they are colours, for vertices";
+const VECTORS: &str = "--quantity says what is read of vectors";
 
 #[test]
 fn an_nrrd_says_by_its_first_axis_what_it_counts() {
@@ -101,11 +104,14 @@ fn an_nrrd_says_by_its_first_axis_what_it_counts() {
              space directions: none (1,0,0) (0,1,0) (0,0,1)\n\n"
         )
     };
-    for kind in ["RGB-color", "3-color", "vector", "3-vector", "list", "???"] {
-        check("a.nrrd", &nrrd(kind, 3, "uchar"), Some(Channels::Rgb));
+    for kind in ["RGB-color", "3-color"] {
+        check("a.nrrd", &nrrd(kind, 3, "uchar"), Some((Channels::Rgb, COLORS)));
+    }
+    for kind in ["vector", "3-vector", "list", "???"] {
+        check("a.nrrd", &nrrd(kind, 3, "uchar"), Some((Channels::Rgb, VECTORS)));
     }
     for kind in ["RGBA-color", "4-color", "vector", "4-vector", "list", "none"] {
-        check("a.nrrd", &nrrd(kind, 4, "uint8"), Some(Channels::Rgba));
+        check("a.nrrd", &nrrd(kind, 4, "uint8"), Some((Channels::Rgba, COLORS)));
     }
     check("a.nrrd", &nrrd("vector", 3, "signed char"), None);
     check("a.nrrd", &nrrd("3-gradient", 3, "uchar"), None);
@@ -115,20 +121,34 @@ fn an_nrrd_says_by_its_first_axis_what_it_counts() {
     let after = "sizes: 3 2 2 2 2\nkinds: RGB-color space space space list";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.nrrd");
-    for lines in [between, after] {
+    let vectors = after.replace("RGB-color", "vector");
+    let last = "sizes: 2 2 2 2 3\nkinds: space space space list RGB-color";
+    for (lines, says) in [
+        (between, "line 5: 2 numbers per sample (axis 1, list) is not supported"),
+        (after, "line 5: several volumes of colours is not supported"),
+        (&vectors, "line 5: several volumes of vectors or colours is not supported"),
+        (
+            last,
+            "line 6: an axis of colours that is not the first (axis 4, rgb-color) is not supported",
+        ),
+    ] {
         fs::write(&path, [more, lines, "\n\n", &"0".repeat(99)].concat()).unwrap();
         let error = open_colors(&path, &Job::default()).unwrap_err().to_string();
-        assert!(error.contains("is not supported"), "{lines}: {error}");
+        assert!(error.ends_with(says), "{lines}: {error}");
     }
-    for (kind, count, dtype) in [
-        ("HSV-color", 3, "uchar"),
-        ("quaternion", 4, "uchar"),
-        ("RGB-color", 3, "ushort"),
-        ("list", 5, "uchar"),
+    let unsigned = "line 2: colours are three or four unsigned bytes, found";
+    for (kind, count, dtype, says) in [
+        ("HSV-color", 3, "uchar", "line 6: 3 numbers per sample (axis 0, hsv-color)"),
+        ("quaternion", 4, "uchar", "line 6: 4 numbers per sample (axis 0, quaternion)"),
+        ("list", 5, "uchar", "line 6: 5 numbers per sample (axis 0, list)"),
+        ("RGB-color", 3, "ushort", &format!("{unsigned} ushort, which")),
+        ("RGBA-color", 4, "unsigned short", &format!("{unsigned} unsigned short, which")),
+        ("3-color", 3, "float", &format!("{unsigned} float, which")),
+        ("4-color", 4, "int8", &format!("{unsigned} int8, which")),
     ] {
-        fs::write(&path, [nrrd(kind, count, dtype).as_bytes(), &[0; 300]].concat()).unwrap();
+        fs::write(&path, [nrrd(kind, count, dtype).as_bytes(), &[0; 500]].concat()).unwrap();
         let error = open_colors(&path, &Job::default()).unwrap_err().to_string();
-        assert!(error.contains("is not supported"), "{error}");
+        assert!(error.ends_with(&format!("{says} is not supported")), "{error}");
     }
 }
 
@@ -140,10 +160,26 @@ fn a_meta_image_says_by_its_channels() {
              ElementDataFile = LOCAL\n"
         )
     };
-    check("a.mha", &header(3, "MET_UCHAR"), Some(Channels::Rgb));
-    check("a.mha", &header(4, "MET_UCHAR"), Some(Channels::Rgba));
+    check("a.mha", &header(3, "MET_UCHAR"), Some((Channels::Rgb, VECTORS)));
+    check("a.mha", &header(4, "MET_UCHAR"), Some((Channels::Rgba, COLORS)));
     check("a.mha", &header(1, "MET_UCHAR"), None);
     check("a.mha", &header(3, "MET_CHAR"), None);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mha");
+    for (count, dtype, what) in [
+        (4, "MET_UCHAR", "colours"),
+        (3, "MET_UCHAR", "vectors or colours"),
+        (3, "MET_FLOAT", "vectors"),
+    ] {
+        let four = header(count, dtype)
+            .replace("NDims = 3\nDimSize = 2 3 4", "NDims = 4\nDimSize = 2 3 4 2");
+        fs::write(&path, four).unwrap();
+        let error = open_colors(&path, &Job::default()).unwrap_err().to_string();
+        assert!(
+            error.ends_with(&format!("line 2: several volumes of {what} is not supported")),
+            "{error}"
+        );
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Which axes are x, y, z, and where they lead.
 //!
 //! An axis is of space if it has a direction; without directions, unless its kind says otherwise. The
-//! first three of space are x, y, z. Axes after them count volumes. An axis before or between them
+//! first three of space are x, y, z. Axes after them count volumes, and of colours are refused. An axis before or between them
 //! means several numbers per sample, and is refused unless its size is 1, or it is the first, has size 3 and no kind
 //! but that of a vector, or the size and kind of a colour in bytes.
 
@@ -9,6 +9,7 @@ use super::{
     super::{
         colors::Colored,
         place::{EXPECTED, completed},
+        several,
         vectors::{ADVICE, ALONG_AXES, Layout, Triples},
     },
     header::{Header, vectors},
@@ -45,15 +46,12 @@ fn is_vector(axis: &Axis, must: bool) -> bool {
     axis.size == 3 && (names.contains(&kind) || !must && any.contains(&kind))
 }
 
-/// Whether an axis may count the numbers of a colour.
-fn is_color(axis: &Axis) -> bool {
+/// Whether an axis may count the numbers of a colour; where it must, it says so.
+fn is_color(axis: &Axis, must: bool) -> bool {
     let kind = axis.kind.as_str();
-    let any = ["", "???", "none", "unknown", "list", "vector"];
-    any.contains(&kind)
-        || match axis.size {
-            3 => ["rgb-color", "3-color", "3-vector"].contains(&kind),
-            _ => ["rgba-color", "4-color", "4-vector"].contains(&kind),
-        }
+    let any = ["", "???", "none", "unknown", "list", "vector", "3-vector", "4-vector"];
+    let sizes = [("rgb-color", 3), ("3-color", 3), ("rgba-color", 4), ("4-color", 4)];
+    sizes.contains(&(kind, axis.size)) || !must && any.contains(&kind)
 }
 
 /// As many axes as teem takes.
@@ -126,14 +124,25 @@ pub(super) fn lattice(header: &Header, axes: &[Axis], dtype: Dtype) -> Result<La
         if n > last {
             let product = volumes.checked_mul(axis.size);
             volumes = product.ok_or_else(|| field.broken("sizes that can be multiplied"))?;
+            if is_color(axis, true) {
+                let kind = &axis.kind;
+                let says = format!("an axis of colours that is not the first (axis {n}, {kind})");
+                return Err(header.need("kinds")?.unsupported(says));
+            }
             if is_vector(axis, true) {
                 found = Some(triples(Layout::Apart, n));
             }
             continue;
         }
         let is_first = n == 0;
-        if is_first && is_color(axis) {
+        if is_first && is_color(axis, false) {
             colored = Colored::of(axis.size, dims, dtype, &numbers(axis, n));
+        }
+        if is_first && is_color(axis, true) && colored.is_none() {
+            let kind = header.need("type")?;
+            let found = &kind.value;
+            let says = format!("colours are three or four unsigned bytes, found {found}, which");
+            return Err(kind.unsupported(says));
         }
         if is_first && is_vector(axis, false) {
             found = Some(triples(Layout::Together, n));
@@ -141,9 +150,9 @@ pub(super) fn lattice(header: &Header, axes: &[Axis], dtype: Dtype) -> Result<La
             return Err(field.unsupported(numbers(axis, n)));
         }
     }
-    let is_together = |found: &Triples| found.layout == Layout::Together;
-    if volumes > 1 && (colored.is_some() || found.as_ref().is_some_and(is_together)) {
-        return Err(field.unsupported("several volumes of vectors"));
+    let together = found.as_ref().filter(|found| found.layout == Layout::Together);
+    if let Some(says) = several(volumes, together, colored.as_ref()) {
+        return Err(field.unsupported(says));
     }
     // Components of several volumes of vectors are a list of volumes, as others are.
     let triples = found.filter(|_| volumes <= 3);

@@ -141,7 +141,7 @@ fn what_are_no_vectors_has_no_quantity() {
     refused(lists, "several volumes of vectors");
     refused(
         "sizes: 3 2 3 4\nkinds: RGB-color domain domain domain",
-        "3 numbers per sample (axis 0, rgb-color)",
+        "line 2: colours are three or four unsigned bytes, found float, which is not supported",
     );
     let overflow = "sizes: 3 9223372036854775807 1 1\nkinds: vector domain domain domain";
     refused(overflow, "samples are more than 64 bits can count");
