@@ -131,7 +131,7 @@ Examples:
   isokit voxelize part.stl --spacing 0.5 -o part.nrrd
   isokit voxelize part.stl --spacing 0.5 --band 2 -o part.nrrd
   isokit voxelize shell.ply --spacing 1 --mode occupancy --conservative -o shell.nii.gz
-  isokit voxelize painted.glb --spacing 0.5 -o part.nrrd --colors paint.nrrd
+  isokit voxelize painted.ply --spacing 0.5 -o part.nrrd --colors paint.nrrd
 
 Volumes become .nrrd .nhdr .nii .nii.gz .npy .raw; distances f32, occupancy u8. Colours are sRGB in bytes.")]
     Voxelize(VoxelizeArgs),

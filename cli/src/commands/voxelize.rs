@@ -58,7 +58,7 @@ fn voxels(plan: &VoxelizePlan, session: &Session<'_, '_>) -> Result<()> {
         Ok(files) => files,
     };
     let [nx, ny, nz] = grid.dims();
-    // All is written, so all gets its name now.
+    // All is written whole, so all gets its name now, one after the other; the system may still refuse a name.
     for (path, prepared, content) in files {
         prepared.finish()?;
         let path = path.display();

@@ -32,8 +32,9 @@ pub(super) enum Content<'a> {
 
 /// A volume that is written, but whose files do not have their names yet.
 ///
-/// So of several volumes that belong together all are there, or none. Dropped, it is gone, and what stood under the names before
-/// still stands there.
+/// So several volumes that belong together are all written whole before any of them has its name. They get their names one
+/// after the other: if the system refuses one, those before it have theirs. Dropped, it is gone, and what stood under the
+/// names before still stands there.
 #[derive(Debug)]
 pub struct Prepared(Vec<Output>);
 
