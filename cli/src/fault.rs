@@ -234,6 +234,9 @@ fn of_read(fault: &ReadFault) -> Fault {
         ReadFault::Caller(_) => Fault::Caller(
             "`isokit info` shows what a file is, and `isokit info --help` how to describe one",
         ),
+        ReadFault::Colors(_) => Fault::Caller(
+            "`isokit extract --attribute` takes it, for the colours of vertices; `isokit info` shows it",
+        ),
         ReadFault::Cancelled(_) => Fault::Interrupted,
         _ => Fault::Ours("this should not happen; please report it"),
     }

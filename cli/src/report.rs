@@ -22,7 +22,7 @@ pub(crate) use render::{DrawnSurface, RenderInput, RenderReport, RenderSkipped, 
 pub(crate) use suggest::SuggestReport;
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
-pub(crate) use volume::{VolumeFacts, VolumeReport};
+pub(crate) use volume::{ColorVolumeReport, VolumeFacts, VolumeReport};
 
 use isokit::marching_cubes::Skipped;
 use serde::Serialize;

@@ -3,22 +3,29 @@
 use crate::{
     Exit, Session,
     args::InfoArgs,
-    report::{MeshReport, SurfaceBrief, VolumeFacts, VolumeReport, around, to_json},
+    report::{
+        ColorVolumeReport, MeshReport, SurfaceBrief, VolumeFacts, VolumeReport, around, to_json,
+    },
     text::{chart, counted, grouped, listed},
 };
 use anyhow::Result;
 use isokit::{
-    io::{MeshInput, VolumeFile, detect, open_volume, read_mesh},
+    io::{ColorFile, MeshInput, VolumeFile, detect, open_colors, open_volume, read_mesh},
     pipeline::{Region, Scan, TargetSpace},
-    volume::Histogram,
+    volume::{Channels, Grid, Histogram},
 };
 use std::path::Path;
 
 pub(crate) fn run(args: &InfoArgs, session: &mut Session<'_, '_>) -> Result<Exit> {
-    // Options that describe a volume say that it is one.
-    if args.volume.is_empty() && !detect(&args.file)?.is_volume() {
-        let input = session.watching(|session| read_mesh(&args.file, &session.job))?;
-        return of_mesh(args, &input, session);
+    // Options that describe a volume say that it is one, of values.
+    if args.volume.is_empty() {
+        if !detect(&args.file)?.is_volume() {
+            let input = session.watching(|session| read_mesh(&args.file, &session.job))?;
+            return of_mesh(args, &input, session);
+        }
+        if let Some(file) = open_colors(&args.file, &session.job)? {
+            return of_colors(args, &file, session);
+        }
     }
     of_volume(args, session)
 }
@@ -53,15 +60,38 @@ fn of_volume(args: &InfoArgs, session: &mut Session<'_, '_>) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// What is known before a sample is read.
-fn header_lines(path: &Path, file: &VolumeFile) -> String {
-    let (grid, scaling) = (file.grid(), file.scaling());
+fn of_colors(args: &InfoArgs, file: &ColorFile, session: &mut Session<'_, '_>) -> Result<Exit> {
+    let path = &args.file;
+    let text = match args.json {
+        true => to_json(&ColorVolumeReport::of(path, file))?,
+        false => {
+            let of = match file.channels() {
+                Channels::Rgb => "colours, 3 bytes each (red, green, blue)",
+                Channels::Rgba => "colours, 4 bytes each (red, green, blue, opacity)",
+            };
+            let mut lines =
+                vec![format!("{}: {} volume of colours", path.display(), file.format())];
+            lines.extend(grid_lines(file.grid(), of));
+            lines.extend(file.notes().iter().map(|note| format!("  note: {note}")));
+            let name = path.file_name().unwrap_or_default().display();
+            lines.push("\n  for the colours of vertices:".to_owned());
+            lines.push(format!(
+                "  isokit extract VOLUME --iso VALUE --attribute {name} -o mesh.glb"
+            ));
+            lines.join("\n") + "\n"
+        }
+    };
+    session.out.write_all(text.as_bytes())?;
+    Ok(Exit::Done)
+}
+
+/// Sizes and place of a lattice of such samples.
+fn grid_lines(grid: &Grid, of: &str) -> Vec<String> {
     let (affine, bounds) = (grid.frame.index_to_world, grid.bounds());
     let [nx, ny, nz] = grid.dims();
     let count = grouped(grid.count());
     let mut lines = vec![
-        format!("{}: {} volume", path.display(), file.format()),
-        format!("  samples   {nx} x {ny} x {nz} of {}, {count} in all", file.dtype()),
+        format!("  samples   {nx} x {ny} x {nz} of {of}, {count} in all"),
         format!("  spacing   {}", listed(affine.spacing())),
         format!("  unit      {}", grid.frame.unit),
         format!("  axes      {}", grid.frame.space),
@@ -71,6 +101,14 @@ fn header_lines(path: &Path, file: &VolumeFile) -> String {
     let rows = affine.rows();
     let titles = ["index to  ", "world     ", "          ", "          "];
     lines.extend(titles.iter().zip(rows).map(|(title, row)| format!("  {title}{}", listed(row))));
+    lines
+}
+
+/// What is known before a sample is read.
+fn header_lines(path: &Path, file: &VolumeFile) -> String {
+    let scaling = file.scaling();
+    let mut lines = vec![format!("{}: {} volume", path.display(), file.format())];
+    lines.extend(grid_lines(file.grid(), &file.dtype().to_string()));
     if !scaling.is_identity() {
         let (slope, intercept) = (scaling.slope(), scaling.intercept());
         lines.push(format!("  a sample s means {slope} s + {intercept}"));

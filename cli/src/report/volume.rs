@@ -1,7 +1,7 @@
 //! What can be said of a volume.
 
 use isokit::{
-    io::Format,
+    io::{ColorFile, Format},
     pipeline::{Scan, SlabScan},
     volume::{Dtype, Grid, Scaling, Statistics},
 };
@@ -44,6 +44,45 @@ pub(crate) struct VolumeReport<'a> {
     pub(crate) sample_unit: Option<&'a str>,
     /// Otsu's; null if all samples have one value.
     pub(crate) suggested_iso: Option<f64>,
+}
+
+/// What `info --json` prints of a volume of colours.
+#[derive(Debug, Serialize)]
+pub(crate) struct ColorVolumeReport {
+    pub(crate) schema: &'static str,
+    pub(crate) kind: &'static str,
+    path: String,
+    format: &'static str,
+    dims: [u64; 3],
+    dtype: &'static str,
+    /// How many numbers a colour has; the fourth is its opacity.
+    channels: usize,
+    spacing: [f64; 3],
+    index_to_world: [[f64; 4]; 4],
+    unit: String,
+    space: String,
+    notes: Vec<String>,
+}
+
+impl ColorVolumeReport {
+    pub(crate) fn of(path: &Path, file: &ColorFile) -> Self {
+        let grid = file.grid();
+        let affine = grid.frame.index_to_world;
+        Self {
+            schema: "isokit.info/1",
+            kind: "volume of colors",
+            path: path.display().to_string(),
+            format: file.format().name(),
+            dims: grid.dims(),
+            dtype: Dtype::U8.name(),
+            channels: file.channels().count(),
+            spacing: affine.spacing(),
+            index_to_world: affine.rows(),
+            unit: grid.frame.unit.to_string(),
+            space: grid.frame.space.to_string(),
+            notes: file.notes().to_vec(),
+        }
+    }
 }
 
 impl VolumeFacts {

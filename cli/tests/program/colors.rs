@@ -124,6 +124,39 @@ fn every_format_that_holds_colours_takes_them_as_they_are() {
 }
 
 #[test]
+fn info_shows_a_volume_of_colours() {
+    let folder = Folder::new();
+    for (name, opacity, says) in [
+        ("c.nrrd", 255, "11 x 11 x 11 of colours, 3 bytes each (red, green, blue), 1 331 in all\n"),
+        ("c.nhdr", 9, "colours, 4 bytes each (red, green, blue, opacity), 1 331 in all\n"),
+    ] {
+        let mesh = painted(ball([3.0, 0.0, 0.0]), |_| [1, 2, 3, opacity]);
+        write(&folder, "a.ply", &[surface("ball", mesh)]);
+        folder.done(&format!("voxelize a.ply --spacing 2 --margin 0 -o d.nrrd --colors {name}"));
+        let ran = folder.done(&format!("info {name}"));
+        let lattice = colors(&folder, name).grid().bounds().min[0];
+        let place = format!("  from      {lattice} ");
+        for words in
+            [&format!("{name}: NRRD volume of colours\n"), says, "  unit      mm\n", &place]
+        {
+            assert!(ran.text().contains(words), "no {words:?} in {}", ran.text());
+        }
+        let report = folder.done(&format!("info {name} --json")).json();
+        let found = [&report["schema"], &report["kind"], &report["space"], &report["dtype"]];
+        assert_eq!(found, ["isokit.info/1", "volume of colors", "RAS", "u8"]);
+        assert_eq!(report["channels"], if opacity == 255 { 3 } else { 4 });
+        assert_eq!((&report["dims"][2], &report["spacing"][1]), (&11.into(), &2.0.into()));
+        assert_eq!(report["index_to_world"][0][3], lattice);
+    }
+    for words in ["info c.nrrd --origin 0,0,0", "convert c.nrrd -o e.nii", "suggest c.nrrd"] {
+        let ran = folder.run(words);
+        let says = "3 numbers per sample (axis 0, rgb-color): they are colours, not values";
+        assert!(ran.exit == Exit::Failed && ran.err.contains(says), "{words}: {}", ran.err);
+        assert!(ran.err.contains("`isokit extract --attribute` takes it"), "{words}: {}", ran.err);
+    }
+}
+
+#[test]
 fn opacity_is_kept_where_something_shows_through() {
     let folder = Folder::new();
     let mesh = painted(ball([0.0; 3]), |place| of_direction(place).map(|code| code.round() as u8));

@@ -4,7 +4,7 @@
 //! sRGB with straight opacity, which is how images have them; no format of these says.
 
 use super::{Described, VolumeFile, VolumeOptions, open::describe, stored::Order};
-use crate::{ReadError, ReadFault};
+use crate::{Format, ReadError, ReadFault};
 use isokit_job::Job;
 use isokit_volume::{AnyVolume, Channels, ColorVolume, Dtype, Grid};
 use std::path::Path;
@@ -26,8 +26,8 @@ impl Colored {
             (4, Dtype::U8) => Channels::Rgba,
             _ => return None,
         };
-        let says = format!("{what}: they are colours, for vertices (`extract --attribute`)");
-        Some(Self { channels, dims, fault: ReadFault::Caller(says.into()) })
+        let says = format!("{what}: they are colours, not values");
+        Some(Self { channels, dims, fault: ReadFault::Colors(says) })
     }
 }
 
@@ -75,6 +75,11 @@ impl ColorFile {
     /// What the numbers of a colour are.
     pub fn channels(&self) -> Channels {
         self.channels
+    }
+
+    /// What the file is.
+    pub fn format(&self) -> Format {
+        self.file.format()
     }
 
     /// What was assumed or ignored, each a sentence for the user.

@@ -40,7 +40,7 @@ fn colours_come_back_with_their_place() {
             assert_eq!((file.channels(), *file.grid(), file.notes().len()), (channels, grid(), 0));
             assert_eq!(file.collect(&Job::default()).unwrap(), colors);
             let refusal = refusal(&path);
-            assert!(refusal.contains("they are colours, for vertices"), "{refusal}");
+            assert!(refusal.contains("they are colours, not values"), "{refusal}");
         }
     }
     for name in ["a.nii", "a.nii.gz", "a.npy", "a.raw", "a.mha", "a", ".nrrd"] {
@@ -92,7 +92,7 @@ fn check(name: &str, header: &str, expected: Option<(Channels, &str)>) {
 }
 
 /// What is said to who wants values of what can only be colours, and of what may be vectors too.
-const COLORS: &str = "they are colours, for vertices";
+const COLORS: &str = "they are colours, not values";
 const VECTORS: &str = "--quantity says what is read of vectors";
 
 #[test]

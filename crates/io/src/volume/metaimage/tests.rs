@@ -85,7 +85,7 @@ fn what_cannot_be_read_is_named() {
     let channels = format!("{CUBE}ElementNumberOfChannels = 3");
     is_refused(&channels, "3 numbers per sample: --quantity says what is read of vectors: x, y, z");
     let channels = format!("{CUBE}ElementNumberOfChannels = 4");
-    is_refused(&channels, "4 numbers per sample: they are colours, for vertices");
+    is_refused(&channels, "4 numbers per sample: they are colours, not values");
     let channels = format!("{CUBE}ElementNumberOfChannels = 5");
     is_refused(&channels, "line 4: 5 numbers per sample is not supported");
     is_refused(&format!("ObjectType = Mesh\n{CUBE}"), "line 1: object type \"Mesh\"");

@@ -121,7 +121,7 @@ fn a_list_of_volumes_comes_last_and_never_first() {
     assert_eq!(open(&frame).grid().dims(), [2, 3, 4]);
     is_refused(
         "type: uchar\ndimension: 4\nsizes: 3 2 3 4\nkinds: RGB-color domain domain domain",
-        "3 numbers per sample (axis 0, rgb-color): they are colours, for vertices",
+        "3 numbers per sample (axis 0, rgb-color): they are colours, not values",
     );
     is_refused(
         "type: uchar\ndimension: 4\nsizes: 3 2 3 4\n\
