@@ -1,6 +1,7 @@
 //! Convolutions against resampling, against sums over all samples, and by what holds for any kernel.
 
 mod limits;
+mod marschner_lobb;
 
 use super::Convolved;
 use crate::{
