@@ -19,7 +19,7 @@ pub(crate) use mesh::{
 };
 pub(crate) use refine::RefineReport;
 pub(crate) use render::{DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings};
-pub(crate) use suggest::SuggestReport;
+pub(crate) use suggest::{PERCENTS, SuggestReport};
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};
 pub(crate) use volume::{ColorVolumeReport, VolumeFacts, VolumeReport};

@@ -6,7 +6,7 @@ use crate::{
     args::SuggestArgs,
     chart::spectrum_plot,
     plan::SuggestPlan,
-    report::{SuggestReport, to_json},
+    report::{PERCENTS, SuggestReport, to_json},
     text::{chart, rounded},
 };
 use anyhow::Result;
@@ -48,6 +48,31 @@ pub(crate) fn run(plan: &SuggestPlan, session: &mut Session<'_, '_>) -> Result<E
     Ok(Exit::Done)
 }
 
+/// What values are levels by custom: of density maps so many deviations above the mean, of others a share of the samples.
+fn spread(histogram: &Histogram) -> [String; 3] {
+    let [mean, deviation] = histogram.mean_and_deviation();
+    let list = |all: &[String]| all.join(", ");
+    let above = DEVIATIONS.map(|times| rounded(mean + times * deviation));
+    let shares = PERCENTS.map(|percent| histogram.quantile(f64::from(percent) / 100.0));
+    let [mean, deviation] = [mean, deviation].map(rounded);
+    [
+        format!("  mean {mean}, standard deviation {deviation}"),
+        format!(
+            "  {} deviations above the mean: {}",
+            list(&DEVIATIONS.map(|n| n.to_string())),
+            list(&above)
+        ),
+        format!(
+            "  {} % of the samples up to: {}",
+            list(&PERCENTS.map(|n| n.to_string())),
+            list(&shares.map(rounded))
+        ),
+    ]
+}
+
+/// Standard deviations above the mean.
+const DEVIATIONS: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
+
 fn lines(args: &SuggestArgs, histogram: Option<&Histogram>, found: &[Suggestion]) -> String {
     let mut lines = vec![];
     let Some(histogram) = histogram else {
@@ -55,8 +80,7 @@ fn lines(args: &SuggestArgs, histogram: Option<&Histogram>, found: &[Suggestion]
     };
     lines.push(format!("{}: samples from each value on (logarithm)", args.file.display()));
     lines.extend(chart(histogram).iter().map(|line| format!("  {line}")));
-    let [mean, deviation] = histogram.mean_and_deviation().map(rounded);
-    lines.push(format!("  mean {mean}, standard deviation {deviation}"));
+    lines.extend(spread(histogram));
     let Some(best) = found.first() else {
         lines.push("\n  no isovalue separates the samples".to_owned());
         return lines.join("\n") + "\n";

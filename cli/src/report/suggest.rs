@@ -31,7 +31,8 @@ pub(crate) struct SuggestedIso {
     pub(crate) reason: String,
 }
 
-const PERCENTS: [u8; 7] = [1, 5, 25, 50, 75, 95, 99];
+/// Of the samples.
+pub(crate) const PERCENTS: [u8; 7] = [1, 5, 25, 50, 75, 95, 99];
 
 impl SuggestReport {
     pub(crate) fn of(

@@ -39,6 +39,30 @@ fn scripts_get_them_best_first() {
 }
 
 #[test]
+fn values_so_many_deviations_above_the_mean_and_percentiles_are_told() {
+    let folder = Folder::with_ball();
+    let text = folder.done("suggest ball.nii").text().to_owned();
+    let report = folder.done("suggest ball.nii --json").json();
+    let numbers = |of: &str| -> Vec<f64> {
+        let line = text.lines().find_map(|line| line.trim().strip_prefix(of));
+        let line = line.unwrap_or_else(|| panic!("no {of:?} in {text}"));
+        line.split(", ").map(|number| number.parse().unwrap()).collect()
+    };
+    let is_near = |found: f64, exact: f64| (found - exact).abs() <= 1e-5 * exact.abs();
+    let of = |name: &str| report[name].as_f64().unwrap();
+    for (times, found) in
+        [1.0, 2.0, 3.0, 5.0].into_iter().zip(numbers("1, 2, 3, 5 deviations above the mean: "))
+    {
+        assert!(is_near(found, of("mean") + times * of("deviation")), "{times}: {found}");
+    }
+    let found = numbers("1, 5, 25, 50, 75, 95, 99 % of the samples up to: ");
+    for (percent, found) in [1, 5, 25, 50, 75, 95, 99].into_iter().zip(found) {
+        let exact = report["percentiles"][percent.to_string()].as_f64().unwrap();
+        assert!(is_near(found, exact), "{percent}: {found}, not {exact}");
+    }
+}
+
+#[test]
 fn the_plot_is_a_picture_with_three_curves() {
     let folder = Folder::with_ball();
     let ran = folder.done("suggest ball.nii --plot values.png");
