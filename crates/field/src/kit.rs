@@ -1,6 +1,6 @@
-//! A field for tests: known in closed form, with bounds, and cheaper within a box.
+//! For tests: a field known in closed form, with bounds and cheaper within a box; filters of each kind.
 
-use crate::{Interval, Jet, ScalarField, Slope};
+use crate::{Filter, Interval, Jet, ScalarField, Slope, Window};
 use isokit_geom::{Aabb, Affine};
 use std::ops::Range;
 
@@ -74,4 +74,23 @@ impl ScalarField for Waves {
             *value = self.value(ijk.map(|i| i as f64));
         }
     }
+}
+
+/// One of each kind of filter, and of those with a width more than one.
+pub(crate) fn filters() -> Vec<Filter> {
+    let sinc = |window, lobes| Filter::Sinc { window, lobes };
+    vec![
+        Filter::Nearest,
+        Filter::Linear,
+        Filter::QuadraticBSpline,
+        Filter::CubicBSpline,
+        Filter::SmoothQuadratic,
+        Filter::CubicBSpline.smoothing(),
+        Filter::CATMULL_ROM,
+        Filter::MITCHELL,
+        sinc(Window::Lanczos, 2),
+        sinc(Window::Lanczos, 3),
+        sinc(Window::Hann, 5),
+        sinc(Window::Blackman, 4),
+    ]
 }

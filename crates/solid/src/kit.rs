@@ -1,7 +1,9 @@
 //! Small meshes for tests, and chance.
 
+use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Threads};
 use isokit_mesh::{Positions, TriMesh};
+use isokit_volume::Grid;
 use std::{array, f64::consts::TAU, num::NonZeroUsize};
 
 pub(crate) fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriMesh {
@@ -125,4 +127,21 @@ impl Chance {
         let triangle = |_| array::from_fn(|_| self.below(vertices));
         mesh(&places, &(0..count).map(triangle).collect::<Vec<_>>())
     }
+}
+
+/// A lattice.
+pub(crate) fn grid(dims: [u64; 3], index_to_world: Affine) -> Grid {
+    Grid::new(dims, Frame { index_to_world, ..Frame::default() }).unwrap()
+}
+
+/// From −1.5 to 1.5 on each axis.
+pub(crate) fn around(n: u64) -> Grid {
+    let spacing = 3.0 / (n - 1) as f64;
+    grid([n; 3], Affine::axis_aligned([spacing; 3], [-1.5; 3]).unwrap())
+}
+
+/// A lattice whose steps are at no right angles.
+pub(crate) fn oblique() -> Grid {
+    let columns = [[0.11, 0.02, 0.0], [-0.03, 0.07, 0.04], [0.01, 0.0, 0.2]];
+    grid([23, 37, 18], Affine::new(columns, [-1.2, -1.6, -2.0]).unwrap())
 }

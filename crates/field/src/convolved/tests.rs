@@ -5,7 +5,7 @@ mod marschner_lobb;
 
 use super::Convolved;
 use crate::{
-    Filter, ResampleError, ScalarField, SeparableKernel, Window, conformance::check, resample,
+    Filter, ResampleError, ScalarField, SeparableKernel, conformance::check, kit::filters, resample,
 };
 use isokit_job::Job;
 use isokit_volume::{AnyVolume, Grid, Sample, Scaling, Volume};
@@ -29,24 +29,6 @@ fn noise([x, y, z]: [f64; 3]) -> f64 {
 
 fn waves([x, y, z]: [f64; 3]) -> f64 {
     (0.37 * x + 0.3).sin() + 0.5 * (0.41 * y).cos() * z
-}
-
-fn filters() -> Vec<Filter> {
-    let sinc = |window, lobes| Filter::Sinc { window, lobes };
-    vec![
-        Filter::Nearest,
-        Filter::Linear,
-        Filter::QuadraticBSpline,
-        Filter::CubicBSpline,
-        Filter::SmoothQuadratic,
-        Filter::CubicBSpline.smoothing(),
-        Filter::CATMULL_ROM,
-        Filter::MITCHELL,
-        sinc(Window::Lanczos, 2),
-        sinc(Window::Lanczos, 3),
-        sinc(Window::Hann, 5),
-        sinc(Window::Blackman, 4),
-    ]
 }
 
 fn convolved<T: Sample>(volume: &Volume<T>, filter: Filter) -> Convolved<'_, T, Filter> {

@@ -3,27 +3,11 @@
 use super::{VoxelError, VoxelMode, VoxelOptions, Walls, half_diagonal, voxelize};
 use crate::{
     MeshSolid, SolidOptions, Winding,
-    kit::{Chance, ball, broken, cube, moved, threads, turned},
+    kit::{Chance, around, ball, broken, cube, moved, oblique, threads, turned},
 };
-use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Limits};
 use isokit_mesh::TriMesh;
 use isokit_volume::{AnyVolume, Grid};
-
-fn grid(dims: [u64; 3], index_to_world: Affine) -> Grid {
-    Grid::new(dims, Frame { index_to_world, ..Frame::default() }).unwrap()
-}
-
-/// From −1.5 to 1.5 on each axis.
-fn around(n: u64) -> Grid {
-    let spacing = 3.0 / (n - 1) as f64;
-    grid([n; 3], Affine::axis_aligned([spacing; 3], [-1.5; 3]).unwrap())
-}
-
-fn oblique() -> Grid {
-    let columns = [[0.11, 0.02, 0.0], [-0.03, 0.07, 0.04], [0.01, 0.0, 0.2]];
-    grid([23, 37, 18], Affine::new(columns, [-1.2, -1.6, -2.0]).unwrap())
-}
 
 fn solid(mesh: &TriMesh) -> MeshSolid {
     MeshSolid::new(mesh, SolidOptions::default(), &Job::default()).unwrap()

@@ -1,7 +1,7 @@
 //! How much weights are together, bounds, and what cannot be.
 
-use super::{convolved, filters, noise, places, volume};
-use crate::{Convolved, Filter, Interval, ScalarField, SeparableKernel, Window};
+use super::{convolved, noise, places, volume};
+use crate::{Convolved, Filter, Interval, ScalarField, SeparableKernel, Window, kit::filters};
 use isokit_geom::Aabb;
 use isokit_job::{CancelToken, Job, Limits, Threads};
 use std::num::NonZeroUsize;
