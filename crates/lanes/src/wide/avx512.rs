@@ -5,7 +5,7 @@ mod registers;
 
 use super::{BATCH, Exact, Wide, three_along_x};
 use crate::{Lane, Samples};
-use gather::{exact, gather, gather_f64, rows, without, words_of_two};
+use gather::{exact, gather, gather_f64, rows, singly, without, words_of_two};
 use registers::{F32, F64, U32};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -208,7 +208,7 @@ impl Wide for Avx512 {
             return unsafe { transmute_copy(&gather_f64(self, base.cast(), at)) };
         }
         // SAFETY: the four bytes from each number on lie in the slice, as `Samples::is_near` says.
-        exact::<T>(self, unsafe { gather(self, base, at) })
+        exact::<T>(self, unsafe { singly(self, base, at) })
     }
 
     #[inline(always)]
