@@ -15,7 +15,7 @@ use isokit_volume::{
 use std::{ops::Range, path::Path, slice, sync::OnceLock};
 
 /// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of `scripts/bench`.
-const MOST_ACTIVE: f64 = 0.1;
+const MOST_ACTIVE: f64 = 1.0 / 16.0;
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
 #[derive(Clone, Debug)]
@@ -285,7 +285,7 @@ impl Scan {
 
     /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
     /// of a used mesh. What comes back says too what an index told not to do; an index by which the
-    /// surfaces go through more than a tenth of the volume is left aside, for then to ask it takes longer.
+    /// surfaces go through more than a sixteenth of the volume is left aside, for then to ask it takes longer.
     ///
     /// # Errors
     ///
