@@ -51,6 +51,8 @@ class Figure:
     """Whether it may be that at most, not at least."""
     bound: str = ""
     """What stands before it if it is only a bound."""
+    is_seen: bool = True
+    """Whether there is enough to find it from."""
     ours: str = ""
     beside: str = ""
 
@@ -70,7 +72,7 @@ class Figure:
             "figure": f"**{value}**",
             "must be": f"{sign}{self.must:g}",
             "aim": "" if self.aim is None else f"{sign}{self.aim:g}",
-            "holds": "yes" if self.holds() else "**no**",
+            "holds": "yes" if self.holds() else "**no**" if self.is_seen else "-",
             "isokit": self.ours,
             "beside it": self.beside,
         }
@@ -159,16 +161,17 @@ def orders(run: dict) -> list[Figure]:
         found.append(order(run, what, points, ("vertex_rms", 0.0), must))
     points = curves.get(f"{OWN} cubic exact matching {DOUBLE}", [])
     found.append(order(run, "order of normals, cubic", points, ("vertex_angle", NORMALS), 3.8))
-    return [figure for figure in found if figure.value is not None]
+    return found
 
 
 def order(
     run: dict, what: str, points: list[dict], asked: tuple[str, float], must: float
 ) -> Figure:
-    """One of them; none on fewer lattices."""
+    """One of them; without a value on fewer lattices, or where errors are no more than what rounding makes."""
     key, least = asked
     known = [point for point in points if (point.get(key) or 0) > least][-FINEST:]
-    figure = Figure(what, run["field"], None, must)
+    figure = Figure(what, run["field"], None, must, is_seen=len(known) == FINEST)
+    figure.beside = f"{len(known)} lattices with an error above rounding, {FINEST} are needed"
     if len(known) == FINEST:
         figure.value = slope(known, key)
         figure.ours = f"{known[-1][key]:.2e} at {known[-1]['n']}³"
