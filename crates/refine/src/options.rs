@@ -1,6 +1,8 @@
 //! What a caller may choose.
 
 /// Where new vertices go.
+///
+/// Not promised: that refined triangles do not cut through each other in noise, where the field curves within a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Subdivision {
     /// Nowhere.
@@ -29,7 +31,8 @@ pub struct RefineOptions {
     /// Where new vertices go. Default: [`Subdivision::None`].
     pub subdivision: Subdivision,
     /// Whether vertices, old and new, are moved along their normals in the end, so that triangles lie as much
-    /// outside of the field's surface as inside. Default: no.
+    /// outside of the field's surface as inside. Then no vertex is on the surface itself, and one whose triangles would
+    /// turn over stays where it was. Default: no.
     pub balance: bool,
 }
 
