@@ -3,7 +3,10 @@
 use super::{LevelArg, VolumeArgs, values};
 use crate::scene_file::{Ground, ModeWord, PresetWord, SideWord};
 use clap::{Args, ValueEnum};
-use isokit::render::{Depth, Size, Smoothing};
+use isokit::{
+    mesh::Rgba,
+    render::{Depth, Size, Smoothing},
+};
 use std::{num::NonZeroUsize, path::PathBuf};
 
 #[derive(Args, Debug)]
@@ -12,6 +15,7 @@ Examples:
   isokit render ct.nii.gz --iso -300:skin:#d8a58080 --iso 300:bone -o head.png
   isokit render ct.nii.gz --preset ct-bone --view left -o bone.png
   isokit render bone.stl --frames 36 -o turn.png
+  isokit render painted.ply --color '#e8dcc0' -o plain.png
   isokit render ct.nii.gz --iso -300 --iso 300 --iso 1500 --sheet -o sheet.png
   isokit render ct.nii.gz --preset ct-skin --plot preset.png
   isokit render scene.toml --plan
@@ -80,6 +84,10 @@ pub(crate) struct RenderArgs {
         help_heading = "Scene"
     )]
     pub(crate) iso: Vec<LevelArg>,
+    /// Draw a mesh in this colour, #rrggbb or #rrggbbaa [default: the colours of its vertices, else those of its
+    /// surfaces, else one for each]
+    #[arg(long, value_name = "COLOR", help_heading = "Scene")]
+    pub(crate) color: Option<Rgba>,
     /// What is shown [default: surfaces with --iso or of a mesh, else raycast]
     #[arg(long, value_enum, help_heading = "Scene")]
     pub(crate) mode: Option<ModeWord>,

@@ -17,8 +17,8 @@ use crate::{
 use anyhow::Result;
 use isokit::{
     geom::{Aabb, Space},
-    io::read_mesh,
-    mesh::TriMesh,
+    io::{Format, read_mesh},
+    mesh::{Surface, TriMesh},
     pipeline::{IsoChoice, Region, Scan, TargetSpace},
     render::{OpticalModel, SlopeFunction},
     scene::{Scene, SurfaceLook, full_slope},
@@ -140,13 +140,21 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
             let around = scan.around();
             Ok(Seen { scene, scan: Some(scan), meshes: vec![], around, input })
         }
-        Subject::Mesh(path) => {
+        Subject::Mesh(path, chosen) => {
             let input = read_mesh(path, &session.job)?;
             input.notes.iter().for_each(|note| session.console.note(note));
             let mut meshes = vec![];
             for (n, surface) in input.surfaces.into_iter().enumerate() {
-                let [r, g, b, opacity] = surface.color.unwrap_or(color(n)).to_linear();
-                let name = surface.name;
+                let Surface { name, color: own, mut mesh, .. } = surface;
+                // What was typed comes before all that the file says.
+                if chosen.is_some() {
+                    mesh.attributes.colors = None;
+                }
+                let color = chosen.or(own).unwrap_or(color(n));
+                let [r, g, b, opacity] = color.to_linear();
+                // Vertices have an opacity of their own, which in OBJ is that of the surface.
+                let is_shared = mesh.attributes.colors.is_none() || input.format == Format::Obj;
+                let opacity = if is_shared { opacity } else { 1.0 };
                 scene.surfaces.push(SurfaceLook {
                     name,
                     iso: None,
@@ -154,7 +162,7 @@ fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
                     opacity,
                     texture: None,
                 });
-                meshes.push(surface.mesh);
+                meshes.push(mesh);
             }
             // A picture of nothing has a camera too.
             let bounds = Aabb { min: [0.0; 3], max: [1.0; 3] };

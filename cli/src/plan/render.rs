@@ -63,7 +63,8 @@ pub(crate) struct RenderPlan {
 #[derive(Debug)]
 pub(crate) enum Subject {
     Volume(PathBuf, VolumeOptions),
-    Mesh(PathBuf),
+    /// And the colour that it is drawn in whatever its file says.
+    Mesh(PathBuf, Option<Rgba>),
 }
 
 /// One surface.
@@ -89,7 +90,7 @@ impl RenderPlan {
         let subject = subject::of(&args, file.as_ref())?;
         let file = file.unwrap_or_default();
         let surfaces = surfaces(&args.iso, &file.surface)?;
-        let is_mesh = matches!(subject, Subject::Mesh(_));
+        let is_mesh = matches!(subject, Subject::Mesh(..));
         let default = match surfaces.is_empty() && !is_mesh {
             true => ModeWord::Raycast,
             false => ModeWord::Surfaces,
@@ -159,6 +160,9 @@ fn check_use(
             "--preset is for values and slices of them: add --mode raycast, or leave it out"
         }
         (_, Some(_)) if mode.shows_values() => "--smoothing is for surfaces: leave it out",
+        _ if args.color.is_some() && !is_mesh => {
+            "--color is of a mesh: a surface of a volume has its own, --iso V:COLOR or [[surface]]"
+        }
         _ if args.lod != LodWord::Full && is_mesh => {
             "--lod is for the samples of a volume, which a mesh has not: leave it out"
         }

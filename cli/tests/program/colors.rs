@@ -13,7 +13,7 @@ use isokit_cli::Exit;
 use std::{f64::consts::PI, fs, process::Command};
 
 /// A ball of radius 10 around a place: bands of triangles, without normals.
-fn ball(centre: [f64; 3]) -> TriMesh {
+pub(crate) fn ball(centre: [f64; 3]) -> TriMesh {
     let (n, m) = (96, 48);
     let place = |at: u32| {
         let (i, j) = (at / (m + 1), at % (m + 1));
@@ -45,25 +45,25 @@ fn of_direction(place: [f64; 3]) -> [f64; 4] {
     [130.0 + 100.0 * x, 120.0 - 90.0 * y, 128.0 + 60.0 * z, 180.0 + 70.0 * z]
 }
 
-fn painted(mut mesh: TriMesh, color: impl Fn([f64; 3]) -> [u8; 4]) -> TriMesh {
+pub(crate) fn painted(mut mesh: TriMesh, color: impl Fn([f64; 3]) -> [u8; 4]) -> TriMesh {
     let colors = mesh.positions.iter().map(|place| Rgba(color(place))).collect();
     mesh.attributes = Attributes { values: None, colors: Some(colors) };
     mesh
 }
 
-fn opaque(place: [f64; 3]) -> [u8; 4] {
+pub(crate) fn opaque(place: [f64; 3]) -> [u8; 4] {
     let [r, g, b, _] = of_direction(place).map(|code| code.round() as u8);
     [r, g, b, 255]
 }
 
-fn write(folder: &Folder, name: &str, surfaces: &[Surface]) {
+pub(crate) fn write(folder: &Folder, name: &str, surfaces: &[Surface]) {
     let command = "test".to_owned();
     let context =
         MeshContext { unit: Unit::Millimetre, space: Space::Ras, command, gltf_unit: None };
     write_mesh(&folder.path(name), surfaces, &context, &Job::default()).unwrap();
 }
 
-fn surface(name: &str, mesh: TriMesh) -> Surface {
+pub(crate) fn surface(name: &str, mesh: TriMesh) -> Surface {
     Surface { name: name.to_owned(), mesh, ..Surface::default() }
 }
 

@@ -11,6 +11,7 @@ mod index;
 mod info;
 mod kit;
 mod looks;
+mod paint;
 mod places;
 mod refine;
 mod render;

@@ -222,6 +222,8 @@ fn words_that_do_not_fit_together_are_refused() {
         ("render ball.nii --iso 50 --preset auto -o a.png", "--preset is for values"),
         ("render a.stl --spacing 2,2,2 -o a.png", "a mesh has no samples"),
         ("render a.stl --lod screen -o a.png", "--lod is for the samples of a volume"),
+        ("render ball.nii --iso 50 --color #3060c0 -o a.png", "--color is of a mesh"),
+        ("render a.stl --color green -o a.png", "expected #rrggbb or #rrggbbaa"),
         ("render ball.nii --sheet -o a.png", "--sheet is of isovalues"),
         ("render ball.nii --depth d.npy -o a.png", "--depth and --normals are of surfaces"),
         ("render ball.nii --iso 50 --normals n.npy -o a.png", "--normals: expected a name"),

@@ -31,7 +31,7 @@ use caps::Caps;
 use isokit_geom::{Aabb, HalfSpace, Space, vector::Vector};
 use isokit_job::Job;
 use isokit_marching_cubes::{ExtractOptions, Nan};
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Rgba, TriMesh};
 use isokit_render::{
     Cast, Drawn, Image, Interpolant, Isosurface, Isosurfaces, Kernel, Medium, OpticalModel, Paint,
     Painted, RasterOptions, RaycastOptions, Raycaster, Size, SolidTexture, Splatted, Traced,
@@ -64,9 +64,9 @@ pub struct SurfaceLook {
     pub name: String,
     /// The value on it. None of a mesh that is there already.
     pub iso: Option<f64>,
-    /// Its colour in linear light, not multiplied by its opacity.
+    /// Its colour in linear light, not multiplied by its opacity. A mesh whose vertices have colours is drawn in those.
     pub color: [f32; 3],
-    /// How much of what is behind it hides, each time that one looks through it, from 0 to 1.
+    /// How much of what is behind it hides, each time that one looks through it, from 0 to 1; times that of vertices.
     pub opacity: f32,
     /// A texture that it is cut from, instead of its colour.
     pub texture: Option<SolidTexture>,
@@ -78,11 +78,16 @@ impl SurfaceLook {
         self.texture.map_or(self.color, |texture| texture.at(place))
     }
 
-    /// Its colour, or those of places.
-    fn paint<'a>(&self, solid: &'a (dyn Fn(Vector) -> [f32; 3] + Sync)) -> Paint<'a> {
-        match self.texture {
-            Some(_) => Paint::Solid(solid),
-            None => Paint::Plain(self.color),
+    /// Its colour, or those of vertices, or those of places.
+    fn paint<'a>(
+        &self,
+        solid: &'a (dyn Fn(Vector) -> [f32; 3] + Sync),
+        vertices: Option<&'a [Rgba]>,
+    ) -> Paint<'a> {
+        match (self.texture, vertices) {
+            (Some(_), _) => Paint::Solid(solid),
+            (None, Some(colors)) => Paint::Vertices(colors),
+            (None, None) => Paint::Plain(self.color),
         }
     }
 }
@@ -189,7 +194,7 @@ impl Scene {
         let looks = self.surfaces.iter().zip(meshes).zip(&clips).zip(&solids);
         let painted = looks.map(|(((look, mesh), clips), solid)| Painted {
             mesh,
-            paint: look.paint(solid),
+            paint: look.paint(solid, mesh.attributes.colors.as_deref()),
             opacity: look.opacity,
             clips,
         });
@@ -223,7 +228,7 @@ impl Scene {
         let of = (&[self.viewpoint][..], size);
         let views = self.views(scan, of, self.raster.needs_surroundings())?;
         let looks = looks.filter_map(|((look, clips), solid)| {
-            let (paint, opacity) = (look.paint(solid), look.opacity);
+            let (paint, opacity) = (look.paint(solid, None), look.opacity);
             self.part_of(look, scan, &views).ok()?;
             Some(Isosurface { iso: look.iso?, paint, opacity, clips })
         });

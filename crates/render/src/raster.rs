@@ -18,6 +18,7 @@ mod cut;
 mod resolve;
 mod screen;
 mod tile;
+mod tint;
 
 use crate::{Camera, Channel, Gathered, Image, Light, Ray, Size, shading::Shading};
 use bins::Bins;
@@ -28,7 +29,7 @@ use isokit_geom::{
 };
 use isokit_job::{Job, OverLimit, Stopped};
 use isokit_lanes::exactly;
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Rgba, TriMesh};
 use rayon::prelude::*;
 use resolve::Resolve;
 use screen::Viewport;
@@ -48,9 +49,18 @@ pub struct Painted<'a> {
 }
 
 impl Painted<'_> {
-    /// The same, and nothing shows through.
+    /// The same where no colour is asked for, and nothing shows through.
     fn whole(&self) -> Self {
-        Self { opacity: 1.0, ..*self }
+        Self { paint: Paint::Plain([0.0; 3]), opacity: 1.0, ..*self }
+    }
+
+    /// Whether all of it hides what is behind it.
+    fn is_opaque(&self) -> bool {
+        let is_translucent = match self.paint {
+            Paint::Vertices(colors) => colors.iter().any(|color| color.is_translucent()),
+            Paint::Plain(_) | Paint::Solid(_) => false,
+        };
+        self.opacity >= 1.0 && !is_translucent
     }
 }
 
@@ -70,6 +80,9 @@ pub enum Paint<'a> {
     /// One of each place of the world, whatever the triangles: a solid texture (Peachey 1985, "Solid texturing of
     /// complex surfaces"; Perlin 1985, "An image synthesizer").
     Solid(&'a (dyn Fn(Vector) -> [f32; 3] + Sync)),
+    /// One of each vertex of the mesh, by its number, and between them what is linear in light. Opacity is linear too, and
+    /// a share of the surface's. What has no such vertex is white, as are surfaces without a mesh.
+    Vertices(&'a [Rgba]),
 }
 
 /// What closes the hole that a plane cuts.
@@ -265,8 +278,8 @@ pub fn rasterize(
         return Err(RasterError::Size(size));
     }
     let quiet = job.unwatched();
-    let in_the_way = |painted: &&Painted<'_>| painted.opacity >= 1.0;
-    let opaque: Vec<_> = surfaces.iter().filter(in_the_way).copied().collect();
+    let in_the_way = surfaces.iter().filter(|painted| painted.is_opaque());
+    let opaque: Vec<_> = in_the_way.map(Painted::whole).collect();
     // Caps hide light too, wherever a surface was cut.
     let around = if caps.is_empty() { bounds(&opaque) } else { bounds(surfaces) };
     let shading = Shading::new(camera, options, around, |view, options| {

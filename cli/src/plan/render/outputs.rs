@@ -37,7 +37,7 @@ pub(super) fn channels(
 
 pub(super) fn plot(args: &RenderArgs, subject: &Subject) -> Result<Option<PathBuf>, UsageError> {
     match (&args.plot, subject) {
-        (Some(_), Subject::Mesh(_)) => {
+        (Some(_), Subject::Mesh(..)) => {
             Err(UsageError("a mesh has no values: leave out --plot".into()))
         }
         (Some(path), _) if !is_png(path) => {
@@ -83,7 +83,7 @@ pub(super) fn targets(
         }
         Some(one) => vec![one],
     };
-    let (Subject::Volume(input, _) | Subject::Mesh(input)) = subject;
+    let (Subject::Volume(input, _) | Subject::Mesh(input, _)) = subject;
     let mut places = Places::of_input(input);
     if *input != args.input {
         places.add("the scene", &args.input)?;

@@ -22,7 +22,7 @@ pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject,
                 let says = "a mesh has no samples: leave out what describes those of a volume";
                 Err(UsageError(says.into()))
             }
-            Some(_) => Ok(Subject::Mesh(args.input.clone())),
+            Some(_) => Ok(Subject::Mesh(args.input.clone(), args.color)),
             None => Ok(Subject::Volume(args.input.clone(), options)),
         };
     };
@@ -60,10 +60,10 @@ pub(super) fn check(
     surfaces: &[LookPlan],
 ) -> Result<(), UsageError> {
     let says = match (subject, mode) {
-        (Subject::Mesh(_), ModeWord::Raycast | ModeWord::IsoRaycast | ModeWord::Splat) => {
+        (Subject::Mesh(..), ModeWord::Raycast | ModeWord::IsoRaycast | ModeWord::Splat) => {
             "a mesh has no values for rays to go through: leave out --mode"
         }
-        (Subject::Mesh(_), _) if !surfaces.is_empty() => "a mesh has no values: leave out --iso",
+        (Subject::Mesh(..), _) if !surfaces.is_empty() => "a mesh has no values: leave out --iso",
         (Subject::Volume(..), ModeWord::Surfaces | ModeWord::IsoRaycast) if surfaces.is_empty() => {
             "no surface is named: give --iso, or [[surface]] in the scene"
         }

@@ -1,6 +1,7 @@
 //! Balls within balls: seen, cut and left out.
 
 mod beside;
+mod colors;
 mod detail;
 
 use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};

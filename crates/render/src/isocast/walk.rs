@@ -217,6 +217,7 @@ impl<T: Sample> Walk<'_, T> {
             let color = || match paint {
                 Paint::Plain(color) => color,
                 Paint::Solid(color) => color(place),
+                Paint::Vertices(_) => [1.0; 3], // there are none
             };
             let normal = || match met.border {
                 Some(axis) => self.field.linear.across(axis),

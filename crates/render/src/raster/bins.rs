@@ -18,6 +18,8 @@ use std::{
 /// All triangles of a picture by tiles.
 pub(super) struct Bins<'a> {
     surfaces: &'a [Painted<'a>],
+    /// Which of them hide all behind them.
+    opaque: Vec<bool>,
     /// The vertices of the surfaces that can be seen.
     vertices: Vec<Vec<Seen>>,
     /// The number of each surface's first triangle, and after the last one how many there are.
@@ -87,7 +89,8 @@ impl<'a> Bins<'a> {
         let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
         let tiles = [0, 1].map(|axis| size[axis].div_ceil(TILE[axis]));
         let (vertices, starts, entries) = (vec![], vec![], vec![]);
-        let mut bins = Self { surfaces, vertices, first, pieces: vec![], tiles, starts, entries };
+        let (opaque, pieces) = (surfaces.iter().map(Painted::is_opaque).collect(), vec![]);
+        let mut bins = Self { surfaces, opaque, vertices, first, pieces, tiles, starts, entries };
         let mut drawn = Drawn::default();
         let (mut found, held) = (vec![], AtomicU64::new(0));
         for (number, surface) in surfaces.iter().enumerate() {
@@ -141,7 +144,7 @@ impl<'a> Bins<'a> {
     /// Whether a triangle hides all behind it.
     #[inline]
     pub(super) fn is_opaque(&self, triangle: u32) -> bool {
-        self.surfaces[self.place(triangle).0].opacity >= 1.0
+        self.opaque[self.place(triangle).0]
     }
 
     /// The triangle that an entry is one of or a piece of, and its corners.

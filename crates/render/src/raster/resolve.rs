@@ -5,6 +5,7 @@ use super::{
     bins::Bins,
     screen::{PARTS, Viewport},
     tile::{NONE, TILE, Tile, key, triangle_of},
+    tint::between,
 };
 use crate::{Gathered, Ray, gather::OPAQUE, shading::Shading};
 use isokit_geom::vector::{Vector, cross, dot, normal, sub};
@@ -134,9 +135,13 @@ impl Resolve<'_> {
             std::array::from_fn(|k| (0..3).map(|n| shares[n] * of[n][k]).sum())
         };
         let place = mix(corners);
-        let color = || match paint {
-            Paint::Plain(color) => color,
-            Paint::Solid(color) => color(place),
+        let (color, opacity) = match paint {
+            Paint::Plain(color) => (color, opacity),
+            Paint::Solid(color) => (color(place), opacity),
+            Paint::Vertices(colors) => {
+                let [r, g, b, share] = between(colors, vertices, shares);
+                ([r, g, b], opacity * share)
+            }
         };
         let across =
             || {
@@ -148,7 +153,7 @@ impl Resolve<'_> {
                     None => normal(corners),
                 }
             };
-        let color = self.shading.color(color, across, place, ray.direction);
+        let color = self.shading.color(|| color, across, place, ray.direction);
         let found = Gathered::new(color, self.shading.opacity(opacity));
         known.lit.push((triangle, found));
         found

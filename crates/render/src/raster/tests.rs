@@ -1,5 +1,7 @@
 //! Pictures of meshes against rays through all of their triangles, and against what is known of balls.
 
+mod colors;
+
 use super::{Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, rasterize};
 use crate::{Camera, Gathered, Image, Light, Projection, Size};
 use isokit_geom::{
