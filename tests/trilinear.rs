@@ -177,9 +177,12 @@ fn cells_with_tunnels_have_the_patches_that_are_certified() {
     assert!(tunnels > cells(10_000) / 100, "{tunnels} tunnels");
 }
 
+/// Samples are so many units.
 #[track_caller]
-fn check_volume(dims: [usize; 3], samples: &[i64]) {
-    let made = volume(dims, samples.iter().map(|&sample| sample as f32));
+fn check_volume(dims: [usize; 3], samples: &[i64], unit: f32) {
+    let exact = |sample: &i64| (*sample as f32) as i64 == *sample;
+    assert!(samples.iter().all(exact), "what is certified is not what is extracted");
+    let made = volume(dims, samples.iter().map(|&sample| sample as f32 * unit));
     let eulers = |boundary| {
         let mesh = surface(&made, 0.0, &trilinear(boundary));
         assert_sound(&mesh);
@@ -192,29 +195,45 @@ fn check_volume(dims: [usize; 3], samples: &[i64]) {
     assert_eq!(Some(eulers(Boundary::Closed)), certified::volume(larger, &enclosed), "{samples:?}");
 }
 
-#[test]
-fn volumes_by_chance_have_the_pieces_that_are_certified() {
-    let mut chance = Chance::new(4);
-    for n in 0..cells(10_000) / 100 {
-        let dims = [3 + n % 4, 3 + n / 4 % 3, 5];
-        let reach = [2, 4, 2000][n % 3];
-        let samples: Vec<i64> =
-            (0..dims.iter().product()).map(|_| certified::random(reach, &mut chance)[0]).collect();
-        check_volume(dims, &samples);
-        let odd: Vec<i64> = samples.iter().map(|sample| 2 * sample + 1).collect();
-        check_volume(dims, &odd);
+/// Dozens of volumes of this kind, from 5³ to 9³.
+fn check_volumes(seed: u64, unit: f32, sample: impl Fn(usize, &mut Chance) -> i64) {
+    let mut chance = Chance::new(seed);
+    for n in 0..(cells(10_000) / 100).div_ceil(3) {
+        let dims = [(); 3].map(|()| 5 + chance.below(5) as usize);
+        let count = dims.iter().product();
+        let samples: Vec<i64> = (0..count).map(|_| sample(n, &mut chance)).collect();
+        check_volume(dims, &samples, unit);
     }
+}
+
+/// Numbers of 24 binary digits, each with an exponent of its own, so that nothing but f32 holds them.
+#[test]
+fn volumes_of_f32_have_the_pieces_that_are_certified() {
+    check_volumes(4, 2_f32.powi(-27), |n, chance| {
+        certified::random(1 << 24, chance)[0] << chance.below([1, 4, 10][n % 3])
+    });
+}
+
+/// No sample is a tie, but saddles are.
+#[test]
+fn volumes_of_odd_numbers_have_the_pieces_that_are_certified() {
+    check_volumes(8, 1.0, |n, chance| 2 * certified::random([1, 2, 5, 1000][n % 4], chance)[0] + 1);
+}
+
+#[test]
+fn volumes_of_small_numbers_with_ties_have_the_pieces_that_are_certified() {
+    check_volumes(9, 1.0, |n, chance| certified::random([1, 2, 3, 4][n % 4], chance)[0]);
 }
 
 /// scikit-image 8109 and its like: a saddle on the isovalue, in a face or in the interior.
 #[test]
 fn ties_of_saddles_have_the_pieces_that_are_certified_and_are_counted() {
-    check_volume([2, 2, 3], &[13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1]);
+    check_volume([2, 2, 3], &[13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1], 1.0);
     let face = [1, -1, -1, 1, -1, -1, -1, -1];
     let body = [3, -1, -1, -1, -1, -1, -1, 3];
     for (samples, singular) in [(face, 1), (body, 1), ([2, -1, -1, 1, -1, -1, -1, -1], 0)] {
-        check_volume([2; 3], &samples);
-        check_volume([2; 3], &samples.map(|sample| -sample));
+        check_volume([2; 3], &samples, 1.0);
+        check_volume([2; 3], &samples.map(|sample| -sample), 1.0);
         let made = volume([2; 3], samples.map(|sample| sample as i8));
         assert_eq!(told(&made, 0.0, &trilinear(Boundary::Open)).singular_cells, singular);
         let table = trilinear(Boundary::Open).with_topology(Topology::Table);
