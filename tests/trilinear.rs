@@ -14,10 +14,10 @@ use isokit::{
 };
 use isokit_tests::{
     certified::{self, Class},
-    chance::Chance,
+    chance::{Chance, many},
     check::{Census, assert_closed, assert_sound, sides_of},
 };
-use std::{collections::BTreeMap, env};
+use std::collections::BTreeMap;
 
 fn trilinear(boundary: Boundary) -> ExtractOptions {
     ExtractOptions::DEFAULT.with_topology(Topology::Trilinear).with_boundary(boundary)
@@ -39,7 +39,7 @@ fn told<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> Ex
 
 /// How many cells are looked at, where it is so many by default.
 fn cells(default: usize) -> usize {
-    env::var("CELLS").map_or(default, |cells| cells.parse().expect("CELLS is a number"))
+    many("CELLS", default)
 }
 
 /// The pieces of a mesh: to which each vertex belongs, and the Euler characteristic of each.
