@@ -103,9 +103,11 @@ fn check_cell(corners: [i64; 8]) -> Class {
     let class = Class::of_cell(corners, &certain);
     let mut expected: Vec<_> = certain.patches.into_iter().map(|p| (p.edges, p.euler)).collect();
     expected.sort_unstable();
-    let mesh = surface(&volume([2; 3], corners.map(|c| c as f64)), 0.0, &trilinear(Boundary::Open));
+    let made = volume([2; 3], corners.map(|c| c as f64));
+    let mesh = surface(&made, 0.0, &trilinear(Boundary::Open));
     assert_eq!(patches(&mesh), expected, "{corners:?}");
     assert_sound(&mesh);
+    assert_closed(&surface(&made, 0.0, &trilinear(Boundary::Closed)));
     class
 }
 
