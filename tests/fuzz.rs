@@ -11,12 +11,12 @@ use isokit::{
     volume::{Channels, ColorVolume, Grid, Volume},
 };
 use isokit_tests::{
-    chance::Chance,
+    chance::{Chance, many},
     fuzz::{self, mesh_file, volume_file},
 };
 use proptest::prelude::*;
 use std::{
-    env, fs,
+    fs,
     path::{Path, PathBuf},
     sync::atomic::{AtomicUsize, Ordering},
 };
@@ -91,9 +91,8 @@ fn edited(mut bytes: Vec<u8>, edits: &[(u8, prop::sample::Index, u8)]) -> Vec<u8
 
 #[test]
 fn volumes_and_options_by_chance() {
-    let count = env::var("VOLUMES").map_or(3000, |n| n.parse().expect("VOLUMES is a number"));
     let mut chance = Chance::new(1);
-    for n in 0..count {
+    for n in 0..many("VOLUMES", 3000) {
         let bytes: Vec<u8> = (0..n % 800).map(|_| chance.bits() as u8).collect();
         fuzz::extract(&bytes);
     }

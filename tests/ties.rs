@@ -1,42 +1,63 @@
 //! Small whole numbers put samples exactly on the isovalue all the time.
+//!
+//! `VOLUMES=10000 cargo nextest run --release -p isokit-tests --test ties` looks at so many of them in every mode;
+//! divided and balanced surfaces of so many are looked at with `--test refine`.
 
 use isokit::{
     geom::Frame,
     job::Job,
-    marching_cubes::{Degenerate, ExtractOptions, Placement, Topology, extract},
+    marching_cubes::{
+        Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
+    },
     mesh::Positions,
     volume::{Grid, Volume},
 };
 use isokit_tests::{
-    chance::Chance,
-    check::{Census, assert_closed},
-    fields,
+    chance::many,
+    check::{Census, assert_closed, assert_sound},
+    fields, volumes,
 };
 
-const SIDE: usize = 7;
+const SIDE: u64 = 7;
 
-/// Whole numbers from −3 to 3.
+/// Whole numbers from −1 to 1, −2 to 2 or −3 to 3.
 fn volume(seed: u64) -> Volume<i8> {
-    let mut chance = Chance::new(seed);
-    let grid = Grid::new([SIDE as u64; 3], Frame::default()).unwrap();
-    Volume::new(grid, (0..grid.count()).map(|_| chance.below(7) as i8 - 3).collect()).unwrap()
+    volumes::ties([SIDE; 3], 1 + seed % 3, seed)
 }
 
-const PLACEMENTS: [Placement; 2] = [Placement::Linear, Placement::Quintic];
+const PLACEMENTS: [Placement; 3] = [Placement::Linear, Placement::Cubic, Placement::Quintic];
+
+/// Everything that may be chosen and promises no flat triangle.
+fn modes() -> Vec<ExtractOptions> {
+    let mut modes = vec![ExtractOptions::DEFAULT];
+    let mut each = |with: &dyn Fn(ExtractOptions) -> Vec<ExtractOptions>| {
+        modes = modes.drain(..).flat_map(with).collect();
+    };
+    each(&|o| [Topology::Table, Topology::Trilinear].map(|t| o.clone().with_topology(t)).into());
+    each(&|o| [Boundary::Closed, Boundary::Open].map(|b| o.clone().with_boundary(b)).into());
+    each(&|o| PLACEMENTS.map(|p| o.clone().with_placement(p)).into());
+    each(&|o| [Gradient::Central, Gradient::Matching].map(|g| o.clone().with_gradient(g)).into());
+    modes
+}
 
 #[test]
-fn a_thousand_volumes_full_of_ties_are_closed_and_have_no_flat_triangle() {
-    for seed in 0..1000 {
+fn volumes_full_of_ties_are_closed_and_have_no_flat_triangle_in_any_mode() {
+    let modes = modes();
+    assert_eq!(modes.len(), 24);
+    for seed in 0..many("VOLUMES", 100) as u64 {
         let volume = volume(seed);
         let ties = volume.samples().iter().filter(|&&sample| sample == 0).count();
         assert!(ties > 15, "chance without ties shows nothing");
-        let topologies = [Topology::Table, Topology::Trilinear];
-        for (topology, placement) in topologies.into_iter().flat_map(|t| PLACEMENTS.map(|p| (t, p)))
-        {
-            let options = ExtractOptions::DEFAULT.with_topology(topology).with_placement(placement);
-            let mesh = extract(&volume.view(), 0.0, &options, &Job::default()).unwrap();
+        for options in &modes {
+            let mesh = extract(&volume.view(), 0.0, options, &Job::default()).unwrap();
             assert!(matches!(mesh.positions, Positions::F32(_)), "what files hold");
-            assert!(assert_closed(&mesh).volume > 0.0, "seed {seed}");
+            assert!(mesh.normals.is_some(), "which are looked at too");
+            match options.boundary {
+                Boundary::Closed => {
+                    assert!(assert_closed(&mesh).volume > 0.0, "seed {seed}, {options:?}");
+                }
+                Boundary::Open => drop(assert_sound(&mesh)),
+            }
         }
     }
 }

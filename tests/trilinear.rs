@@ -1,7 +1,7 @@
 //! Trilinear topology against the certified oracle: what the surface connects, cell by cell and as a whole.
 //!
-//! `CELLS=1000000 cargo nextest run -p isokit-tests --test trilinear` looks at so many cells, and at a
-//! hundredth as many volumes.
+//! `CELLS=1000000 cargo nextest run --release -p isokit-tests --test trilinear` looks at so many cells, at a
+//! thousandth as many of each class, and at a hundredth as many volumes.
 
 use isokit::{
     geom::Frame,
@@ -14,10 +14,10 @@ use isokit::{
 };
 use isokit_tests::{
     certified::{self, Class},
-    chance::Chance,
+    chance::{Chance, many},
     check::{Census, assert_closed, assert_sound, sides_of},
 };
-use std::{collections::BTreeMap, env};
+use std::collections::BTreeMap;
 
 fn trilinear(boundary: Boundary) -> ExtractOptions {
     ExtractOptions::DEFAULT.with_topology(Topology::Trilinear).with_boundary(boundary)
@@ -39,7 +39,7 @@ fn told<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> Ex
 
 /// How many cells are looked at, where it is so many by default.
 fn cells(default: usize) -> usize {
-    env::var("CELLS").map_or(default, |cells| cells.parse().expect("CELLS is a number"))
+    many("CELLS", default)
 }
 
 /// The pieces of a mesh: to which each vertex belongs, and the Euler characteristic of each.
@@ -98,13 +98,44 @@ fn patches(mesh: &TriMesh) -> Vec<(Vec<usize>, i64)> {
 }
 
 #[track_caller]
-fn check_cell(corners: [i64; 8]) {
-    let Some(expected) = certified::cell(corners) else { panic!("{corners:?} is undecided") };
-    let mut expected: Vec<_> = expected.patches.into_iter().map(|p| (p.edges, p.euler)).collect();
+fn check_cell(corners: [i64; 8]) -> Class {
+    let Some(certain) = certified::cell(corners) else { panic!("{corners:?} is undecided") };
+    let class = Class::of_cell(corners, &certain);
+    let mut expected: Vec<_> = certain.patches.into_iter().map(|p| (p.edges, p.euler)).collect();
     expected.sort_unstable();
-    let mesh = surface(&volume([2; 3], corners.map(|c| c as f64)), 0.0, &trilinear(Boundary::Open));
+    let made = volume([2; 3], corners.map(|c| c as f64));
+    let mesh = surface(&made, 0.0, &trilinear(Boundary::Open));
     assert_eq!(patches(&mesh), expected, "{corners:?}");
     assert_sound(&mesh);
+    assert_closed(&surface(&made, 0.0, &trilinear(Boundary::Closed)));
+    class
+}
+
+/// Code by code: of the whole list only cells by chance of one code can find what is missing.
+#[test]
+fn cells_of_every_class_there_is_have_the_patches_that_are_certified_and_no_other_class_is_met() {
+    let (each, mut chance) = (cells(10_000) / 1000, Chance::new(7));
+    let mut met = BTreeMap::new();
+    let all = certified::classes();
+    for code in 0..256 {
+        let of_code = all.iter().filter(|class| class.code == code).count();
+        let (mut full, mut tries) = (0, 0);
+        while full < of_code {
+            assert!(tries < 20_000 * each, "{code:08b}: {full} of {of_code} in {tries} cells");
+            let reach = [4, 50, 1000, 1 << 20][tries % 4];
+            let corners = certified::random_for_classes(code, reach, &mut chance);
+            let class = Class::of(corners).expect("it is decided");
+            assert!(all.contains(&class), "{corners:?}: {class:?}");
+            let count = met.entry(class).or_insert(0);
+            if *count < each {
+                assert_eq!(check_cell(corners), class);
+                *count += 1;
+                full += usize::from(*count == each);
+            }
+            tries += 1;
+        }
+    }
+    assert_eq!(met.len(), 768);
 }
 
 #[test]
@@ -132,7 +163,7 @@ fn cells_by_chance_with_and_without_ties_have_the_patches_that_are_certified() {
 #[test]
 fn cells_with_tunnels_have_the_patches_that_are_certified() {
     let mut chance = Chance::new(3);
-    let (mut tunnels, mut classes) = (0, BTreeMap::new());
+    let mut tunnels = 0;
     for n in 0..cells(10_000) {
         let mut corners = certified::random([3, 9, 500][n % 3], &mut chance);
         let far = n % 8;
@@ -143,17 +174,17 @@ fn cells_with_tunnels_have_the_patches_that_are_certified() {
                 *value = -*value;
             }
         }
-        check_cell(corners);
-        let class = Class::of(corners).unwrap();
-        tunnels += class.tunnels;
-        *classes.entry(class).or_insert(0) += 1;
+        tunnels += usize::from(check_cell(corners).tunnel.is_some());
     }
-    assert!(tunnels > cells(10_000) / 100, "{tunnels} tunnels in {} classes", classes.len());
+    assert!(tunnels > cells(10_000) / 100, "{tunnels} tunnels");
 }
 
+/// Samples are so many units.
 #[track_caller]
-fn check_volume(dims: [usize; 3], samples: &[i64]) {
-    let made = volume(dims, samples.iter().map(|&sample| sample as f32));
+fn check_volume(dims: [usize; 3], samples: &[i64], unit: f32) {
+    let exact = |sample: &i64| (*sample as f32) as i64 == *sample;
+    assert!(samples.iter().all(exact), "what is certified is not what is extracted");
+    let made = volume(dims, samples.iter().map(|&sample| sample as f32 * unit));
     let eulers = |boundary| {
         let mesh = surface(&made, 0.0, &trilinear(boundary));
         assert_sound(&mesh);
@@ -166,29 +197,45 @@ fn check_volume(dims: [usize; 3], samples: &[i64]) {
     assert_eq!(Some(eulers(Boundary::Closed)), certified::volume(larger, &enclosed), "{samples:?}");
 }
 
-#[test]
-fn volumes_by_chance_have_the_pieces_that_are_certified() {
-    let mut chance = Chance::new(4);
-    for n in 0..cells(10_000) / 100 {
-        let dims = [3 + n % 4, 3 + n / 4 % 3, 5];
-        let reach = [2, 4, 2000][n % 3];
-        let samples: Vec<i64> =
-            (0..dims.iter().product()).map(|_| certified::random(reach, &mut chance)[0]).collect();
-        check_volume(dims, &samples);
-        let odd: Vec<i64> = samples.iter().map(|sample| 2 * sample + 1).collect();
-        check_volume(dims, &odd);
+/// Dozens of volumes of this kind, from 5³ to 9³.
+fn check_volumes(seed: u64, unit: f32, sample: impl Fn(usize, &mut Chance) -> i64) {
+    let mut chance = Chance::new(seed);
+    for n in 0..(cells(10_000) / 100).div_ceil(3) {
+        let dims = [(); 3].map(|()| 5 + chance.below(5) as usize);
+        let count = dims.iter().product();
+        let samples: Vec<i64> = (0..count).map(|_| sample(n, &mut chance)).collect();
+        check_volume(dims, &samples, unit);
     }
+}
+
+/// Numbers of 24 binary digits, each with an exponent of its own, so that nothing but f32 holds them.
+#[test]
+fn volumes_of_f32_have_the_pieces_that_are_certified() {
+    check_volumes(4, 2_f32.powi(-27), |n, chance| {
+        certified::random(1 << 24, chance)[0] << chance.below([1, 4, 10][n % 3])
+    });
+}
+
+/// No sample is a tie, but saddles are.
+#[test]
+fn volumes_of_odd_numbers_have_the_pieces_that_are_certified() {
+    check_volumes(8, 1.0, |n, chance| 2 * certified::random([1, 2, 5, 1000][n % 4], chance)[0] + 1);
+}
+
+#[test]
+fn volumes_of_small_numbers_with_ties_have_the_pieces_that_are_certified() {
+    check_volumes(9, 1.0, |n, chance| certified::random([1, 2, 3, 4][n % 4], chance)[0]);
 }
 
 /// scikit-image 8109 and its like: a saddle on the isovalue, in a face or in the interior.
 #[test]
 fn ties_of_saddles_have_the_pieces_that_are_certified_and_are_counted() {
-    check_volume([2, 2, 3], &[13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1]);
+    check_volume([2, 2, 3], &[13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1], 1.0);
     let face = [1, -1, -1, 1, -1, -1, -1, -1];
     let body = [3, -1, -1, -1, -1, -1, -1, 3];
     for (samples, singular) in [(face, 1), (body, 1), ([2, -1, -1, 1, -1, -1, -1, -1], 0)] {
-        check_volume([2; 3], &samples);
-        check_volume([2; 3], &samples.map(|sample| -sample));
+        check_volume([2; 3], &samples, 1.0);
+        check_volume([2; 3], &samples.map(|sample| -sample), 1.0);
         let made = volume([2; 3], samples.map(|sample| sample as i8));
         assert_eq!(told(&made, 0.0, &trilinear(Boundary::Open)).singular_cells, singular);
         let table = trilinear(Boundary::Open).with_topology(Topology::Table);

@@ -1,5 +1,7 @@
 //! Chance that is the same everywhere and every time.
 
+use std::env;
+
 /// SplitMix64 (Steele, Lea & Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
 #[derive(Clone, Debug)]
 pub struct Chance(u64);
@@ -28,6 +30,16 @@ impl Chance {
     pub const fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
+}
+
+/// How many are tried: what this variable of the environment says, else so many.
+///
+/// # Panics
+///
+/// If what it says is not a number.
+pub fn many(variable: &str, default: usize) -> usize {
+    let parsed = |text: String| text.parse().unwrap_or_else(|_| panic!("{variable} is a number"));
+    env::var(variable).map_or(default, parsed)
 }
 
 #[cfg(test)]
