@@ -135,13 +135,14 @@ impl Resolve<'_> {
             std::array::from_fn(|k| (0..3).map(|n| shares[n] * of[n][k]).sum())
         };
         let place = mix(corners);
-        let (color, opacity) = match paint {
-            Paint::Plain(color) => (color, opacity),
-            Paint::Solid(color) => (color(place), opacity),
-            Paint::Vertices(colors) => {
-                let [r, g, b, share] = between(colors, vertices, shares);
-                ([r, g, b], opacity * share)
-            }
+        let [r, g, b, share] = match paint {
+            Paint::Vertices(colors) => between(colors, vertices, shares),
+            Paint::Plain(_) | Paint::Solid(_) => [1.0; 4],
+        };
+        let color = || match paint {
+            Paint::Plain(color) => color,
+            Paint::Solid(color) => color(place),
+            Paint::Vertices(_) => [r, g, b],
         };
         let across =
             || {
@@ -153,8 +154,8 @@ impl Resolve<'_> {
                     None => normal(corners),
                 }
             };
-        let color = self.shading.color(|| color, across, place, ray.direction);
-        let found = Gathered::new(color, self.shading.opacity(opacity));
+        let color = self.shading.color(color, across, place, ray.direction);
+        let found = Gathered::new(color, self.shading.opacity(opacity * share));
         known.lit.push((triangle, found));
         found
     }
