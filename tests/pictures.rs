@@ -10,12 +10,12 @@ mod shapes;
 use isokit::{
     job::Job,
     pipeline::Scan,
-    render::{Image, Projection, RasterOptions, RaycastOptions, Size, Smoothing},
+    render::{Gathered, Image, Projection, RasterOptions, RaycastOptions, Size, Smoothing},
     scene::{Scene, SurfaceLook, Viewpoint},
     volume::{Grid, Volume},
 };
 use isokit_cli::{Exit, run};
-use isokit_tests::workspace;
+use isokit_tests::{volumes, workspace};
 use std::{
     env,
     fs::{self, File},
@@ -84,67 +84,152 @@ fn every_picture_has_a_scene() {
     }
 }
 
-const SIDE: u32 = 121;
+const SIDE: usize = 121;
 
-/// How many walls each pixel shows, of a surface of half an opacity.
+/// What a wall hides: so little that many of them can be told apart.
+const OPACITY: f32 = 0.1;
+
+/// How many walls each pixel shows.
 fn walls(image: &Image) -> Vec<u32> {
-    let walls = |opacity: f32| -(1.0 - opacity).log2();
-    image.pixels().iter().map(|pixel| walls(pixel.opacity).round() as u32).collect()
+    let walls = |pixel: &Gathered| {
+        let walls = (1.0 - pixel.opacity).ln() / (1.0 - OPACITY).ln();
+        assert!((walls - walls.round()).abs() < 0.02, "{walls} walls");
+        walls.round() as u32
+    };
+    image.pixels().iter().map(walls).collect()
 }
 
-/// The pixels of which rays and triangles tell different numbers of walls; and those whose neighbours have other
-/// numbers than they, which are edges.
-fn differing(scan: &Scan, iso: f64) -> (Vec<usize>, Vec<bool>) {
-    let (color, name) = ([1.0; 3], "one".to_owned());
-    let scene = Scene {
-        surfaces: vec![SurfaceLook { name, iso: Some(iso), color, opacity: 0.5, texture: None }],
-        clips: vec![],
-        model: None,
-        viewpoint: Viewpoint::At {
-            from: [70.0, -90.0, 60.0],
-            at: None,
-            up: [0.0, 0.0, 1.0],
-            projection: Projection::Perspective { fov: 25.0 },
-        },
-        raster: RasterOptions::DEFAULT.with_light(None).with_smoothing(Smoothing::None),
-        raycast: RaycastOptions::DEFAULT,
-    };
-    let (job, side) = (Job::default(), NonZeroU32::new(SIDE).unwrap());
-    let size = Size { width: side, height: side };
-    let meshes = scene.meshes(scan, (&[scene.viewpoint], size), &job).unwrap();
-    let drawn = scene.draw(&meshes, (Some(scan), scan.around()), size, &job).unwrap().0;
-    let traced = scene.trace(scan, size, &job).unwrap().0;
-    let [drawn, traced] = [drawn, traced].map(|image| walls(&image));
-    assert!(drawn.iter().filter(|&&walls| walls > 0).count() > 2000, "hardly anything is seen");
-    let side = SIDE as usize;
-    let is_edge = |n: usize| {
-        let (x, y) = (n % side, n / side);
-        let around = |c: usize| c.saturating_sub(1)..(c + 2).min(side);
-        let mut near = around(y).flat_map(|y| around(x).map(move |x| y * side + x));
-        near.any(|m| drawn[m] != drawn[n] || traced[m] != traced[n])
-    };
-    let differ = (0..drawn.len()).filter(|&n| drawn[n] != traced[n]).collect();
-    (differ, (0..drawn.len()).map(is_edge).collect())
+/// How many walls triangles show and how many rays do, in a perspective and in a parallel projection.
+fn pictures(scan: &Scan, iso: f64) -> [[Vec<u32>; 2]; 2] {
+    let widest = scan.part().iter().map(|range| range.len()).max().unwrap() as f64;
+    let parallel = Projection::Parallel { height: 1.7 * widest };
+    [Projection::Perspective { fov: 25.0 }, parallel].map(|projection| {
+        let from = [2.2, -2.8, 1.9].map(|c| c * widest);
+        let viewpoint = Viewpoint::At { from, at: None, up: [0.0, 0.0, 1.0], projection };
+        let (color, name) = ([1.0; 3], "one".to_owned());
+        let look = SurfaceLook { name, iso: Some(iso), color, opacity: OPACITY, texture: None };
+        let scene = Scene {
+            surfaces: vec![look],
+            clips: vec![],
+            model: None,
+            viewpoint,
+            raster: RasterOptions::DEFAULT.with_light(None).with_smoothing(Smoothing::None),
+            raycast: RaycastOptions::DEFAULT,
+        };
+        let (job, side) = (Job::default(), NonZeroU32::new(SIDE as u32).unwrap());
+        let size = Size { width: side, height: side };
+        let meshes = scene.meshes(scan, (&[viewpoint], size), &job).unwrap();
+        let drawn = scene.draw(&meshes, (Some(scan), scan.around()), size, &job).unwrap().0;
+        let traced = scene.trace(scan, size, &job).unwrap().0;
+        let pictures = [drawn, traced].map(|image| walls(&image));
+        for picture in &pictures {
+            let seen = picture.iter().filter(|&&walls| walls > 0).count();
+            assert!(seen > 2000, "hardly anything is seen: {seen}");
+        }
+        pictures
+    })
 }
 
-fn scan(value: impl Fn([f64; 3]) -> f32) -> Scan {
+/// The pixels in which two pictures differ: those where both have an edge, and those where one of them has none. An edge
+/// lies between two pixels: one that differs from all around it makes none in the other picture. `moved` are pictures of
+/// nearly the same: a fold thinner than a pixel may have its edge there alone.
+fn differing(pictures: &[Vec<u32>; 2], moved: &[[Vec<u32>; 2]]) -> [Vec<usize>; 2] {
+    let varies = |n: usize, picture: &[u32]| {
+        let around = |c: usize| c.saturating_sub(1)..(c + 2).min(SIDE);
+        let mut near = around(n / SIDE).flat_map(|y| around(n % SIDE).map(move |x| y * SIDE + x));
+        near.any(|m| picture[m] != picture[n])
+    };
+    let has_edge = |n: usize, who: usize| {
+        varies(n, &pictures[who]) || moved.iter().any(|moved| varies(n, &moved[who]))
+    };
+    let [one, other] = pictures;
+    let differ = (0..one.len()).filter(|&n| one[n] != other[n]);
+    let (edges, holes) = differ.partition(|&n| (0..2).all(|who| has_edge(n, who)));
+    [edges, holes]
+}
+
+fn scan(value: impl Fn([f64; 3]) -> f64) -> Scan {
     let grid = Grid::new([32; 3], Default::default()).unwrap();
     let at = |n: u64| [n % 32, n / 32 % 32, n / 1024].map(|i| i as f64);
-    Scan::new(Volume::new(grid, (0..grid.count()).map(|n| value(at(n))).collect()).unwrap())
+    let samples = (0..grid.count()).map(|n| value(at(n)) as f32).collect();
+    Scan::new(Volume::new(grid, samples).unwrap())
 }
 
 #[test]
 fn rays_and_triangles_tell_the_same_walls_but_for_edges() {
     let gyroid = |[x, y, z]: [f64; 3]| {
         let [x, y, z] = [x, y, z].map(|c| c * 0.35);
-        (x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos()) as f32
+        x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos()
     };
-    let ball = |place: [f64; 3]| {
-        13.0 - place.iter().map(|c| (c - 15.6).powi(2)).sum::<f64>().sqrt() as f32
+    let ball =
+        |place: [f64; 3]| 13.0 - place.iter().map(|c| (c - 15.6).powi(2)).sum::<f64>().sqrt();
+    // Chance at every sixth sample or so, and in between what a cell has in between.
+    let coarse = volumes::noise([6; 3], 1);
+    let noise = |place: [f64; 3]| {
+        let ijk = place.map(|c| c * 5.0 / 31.0);
+        let low = ijk.map(|c| (c as usize).min(4));
+        let corner = |k: usize| {
+            let bit = |axis: usize| k >> axis & 1;
+            let weight = |axis: usize| match (bit(axis), ijk[axis] - low[axis] as f64) {
+                (0, along) => 1.0 - along,
+                (_, along) => along,
+            };
+            let [x, y, z] = [0, 1, 2].map(|axis| low[axis] + bit(axis));
+            weight(0) * weight(1) * weight(2) * f64::from(coarse.samples()[x + 6 * (y + 6 * z)])
+        };
+        (0..8).map(corner).sum()
     };
-    for (scan, iso, most) in [(scan(ball), 0.0, 150), (scan(gyroid), 0.2, 700)] {
-        let (differ, is_edge) = differing(&scan, iso);
-        assert!(differ.len() < most, "{} pixels of {most} differ", differ.len());
-        assert!(differ.iter().all(|&n| is_edge[n]), "one of them is within a surface");
+    for (scan, iso, most) in
+        [(scan(ball), 0.0, 10), (scan(gyroid), 0.2, 100), (scan(noise), 0.1, 100)]
+    {
+        let views = pictures(&scan, iso);
+        // Flat triangles are off the surface that rays meet about as much as these are.
+        let moved = [-0.04, -0.02, -0.01, 0.01, 0.02, 0.04].map(|by| pictures(&scan, iso + by));
+        for (view, pictures) in views.iter().enumerate() {
+            let [edges, holes] = differing(pictures, &moved.each_ref().map(|m| m[view].clone()));
+            assert!(edges.len() < most, "{} pixels of {most} differ at edges", edges.len());
+            let holes: Vec<_> = holes.iter().map(|n| [n % SIDE, n / SIDE]).collect();
+            assert!(holes.is_empty(), "not at an edge of both: {holes:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pinhole_in_one_picture_is_no_edge_and_an_edge_a_pixel_farther_is_one() {
+    // Two walls on the left, none on the right.
+    let edge_at = |column: usize| {
+        let walls = |n: usize| if n % SIDE < column { 2 } else { 0 };
+        (0..SIDE * SIDE).map(walls).collect::<Vec<u32>>()
+    };
+    let plain = edge_at(60);
+    assert_eq!(differing(&[plain.clone(), plain.clone()], &[]), [vec![0; 0], vec![]]);
+    let [edges, holes] = differing(&[plain.clone(), edge_at(61)], &[]);
+    assert_eq!((edges.len(), holes.len()), (SIDE, 0));
+    let moved = [59, 62].map(|column| [edge_at(column), edge_at(column)]);
+    for (pixel, walls) in [(20 * SIDE + 30, 0), (20 * SIDE + 30, 1), (0, 4), (SIDE * 80 - 1, 2)] {
+        let mut doctored = plain.clone();
+        doctored[pixel] = walls;
+        let expected = [vec![], vec![pixel]];
+        assert_eq!(
+            differing(&[doctored.clone(), plain.clone()], &moved),
+            expected,
+            "{walls} walls"
+        );
+        assert_eq!(differing(&[plain.clone(), doctored], &moved), expected, "{walls} walls");
+    }
+}
+
+#[test]
+fn through_noise_and_ties_one_looks_through_an_even_number_of_walls() {
+    for seed in 0..3 {
+        let noise = Scan::new(volumes::noise([9, 8, 10], seed));
+        let ties = Scan::new(volumes::ties([9, 8, 10], 1, seed));
+        for pictures in [pictures(&noise, 0.1), pictures(&ties, 0.0)].into_iter().flatten() {
+            for (picture, who) in pictures.iter().zip(["triangles", "rays"]) {
+                let odd = (0..SIDE * SIDE).filter(|&n| picture[n] % 2 == 1).count();
+                assert_eq!(odd, 0, "{who}, seed {seed}: no closed surface shows that");
+                assert!(picture.iter().any(|&walls| walls > 8), "{who}, seed {seed}");
+            }
+        }
     }
 }
