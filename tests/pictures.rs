@@ -52,21 +52,29 @@ fn scenes() -> Vec<String> {
     paths.map(name).collect()
 }
 
+/// Makes the picture of a scene, and whatever else options ask for; `@` in them is where the picture goes.
+#[track_caller]
+fn render(name: &str, to: &Path, options: &str) {
+    let scene = workspace::root().join(format!("fixtures/scenes/{name}.toml"));
+    let to = to.to_str().unwrap();
+    let words = ["isokit", "render", scene.to_str().unwrap(), "-o", to].map(str::to_owned);
+    let options = options.split_whitespace().map(|word| word.replace('@', to));
+    let (mut out, mut err) = (vec![], vec![]);
+    let exit = run(words.into_iter().chain(options), &mut out, &mut err);
+    assert_eq!(exit, Exit::Done, "{name}: {}", String::from_utf8_lossy(&err));
+}
+
 #[test]
 fn every_scene_looks_as_it_was_looked_at() {
     let (root, made) = (workspace::root().join("fixtures"), env::temp_dir());
-    assert!(scenes().len() >= 5);
+    assert!(scenes().len() >= 8);
     for name in scenes() {
-        let scene = root.join(format!("scenes/{name}.toml"));
         let kept = root.join(format!("images/{name}.png"));
         let found = match env::var_os("UPDATE") {
             Some(_) => kept.clone(),
             None => made.join(format!("isokit-{}-{name}.png", std::process::id())),
         };
-        let words = ["isokit".as_ref(), "render".as_ref(), scene.as_os_str(), "-o".as_ref()];
-        let (mut out, mut err) = (vec![], vec![]);
-        let exit = run(words.into_iter().chain([found.as_os_str()]), &mut out, &mut err);
-        assert_eq!(exit, Exit::Done, "{name}: {}", String::from_utf8_lossy(&err));
+        render(&name, &found, "");
         assert_alike(&name, &found, &kept);
         if found != kept {
             fs::remove_file(found).unwrap();
@@ -82,6 +90,40 @@ fn every_picture_has_a_scene() {
         let name = path.file_stem().unwrap().to_str().unwrap();
         assert!(scenes.iter().any(|scene| scene == name), "{}: nothing shows it", path.display());
     }
+}
+
+#[test]
+fn one_thread_and_seven_make_the_bytes_that_two_make() {
+    // Besides the scenes as they are: caps, shadows and occlusion by rays, what else surfaces have, and a sheet.
+    let more = [
+        ("clip", "--mode iso-raycast"),
+        ("part", "--mode iso-raycast --depth @.npy"),
+        ("shadows", "--mode iso-raycast"),
+        ("rays", "--depth @.npy --normals @.normals.png"),
+        ("surfaces", "--depth @.npy --normals @.normals.png"),
+        ("surfaces", "--sheet"),
+    ];
+    let plain = scenes();
+    let all = plain.iter().map(|name| (&**name, "")).chain(more);
+    let folder = env::temp_dir().join(format!("isokit-{}-threads", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    for (name, options) in all {
+        let made = |threads: usize| {
+            let options = format!("{options} --bits 16 --size 64x48 --threads {threads}");
+            render(name, &folder.join("a.png"), &options);
+            let paths = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+            let mut paths: Vec<PathBuf> = paths.collect();
+            paths.sort();
+            assert_eq!(paths.len(), 1 + options.matches('@').count(), "{name} {options}");
+            let taken = |path: PathBuf| (fs::read(&path).unwrap(), fs::remove_file(path).unwrap());
+            paths.into_iter().map(|path| taken(path).0).collect::<Vec<_>>()
+        };
+        let expected = made(2);
+        for threads in [1, 7] {
+            assert!(made(threads) == expected, "{name} {options}: {threads} threads");
+        }
+    }
+    fs::remove_dir_all(folder).unwrap();
 }
 
 const SIDE: usize = 121;
