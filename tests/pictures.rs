@@ -83,6 +83,32 @@ fn every_scene_looks_as_it_was_looked_at() {
 }
 
 #[test]
+fn every_scene_of_the_guide_is_one() {
+    let guide = workspace::root().join("crates/isokit/src/guide/pictures.md");
+    let text = fs::read_to_string(guide).unwrap();
+    let scenes = text.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    let volume = workspace::root().join("fixtures/volumes/head.nii.gz");
+    let name = format!("isokit-{}-guide.toml", std::process::id());
+    let (path, mut whole) = (env::temp_dir().join(name), String::new());
+    for (n, scene) in scenes.enumerate() {
+        // The first is whole; the others are what its surfaces are seen with.
+        if n == 0 {
+            whole = scene.replace("head.nii.gz", volume.to_str().unwrap());
+            fs::write(&path, &whole).unwrap();
+            whole.truncate(whole.find("[output]").unwrap());
+        } else {
+            fs::write(&path, format!("{whole}{scene}")).unwrap();
+        }
+        let (mut out, mut err) = (vec![], vec![]);
+        let words = ["isokit", "render", path.to_str().unwrap(), "--plan"];
+        let exit = run(words, &mut out, &mut err);
+        assert_eq!(exit, Exit::Done, "{scene}: {}", String::from_utf8_lossy(&err));
+    }
+    assert!(text.matches("```toml").count() >= 6);
+    fs::remove_file(path).unwrap();
+}
+
+#[test]
 fn every_picture_has_a_scene() {
     let scenes = scenes();
     for entry in fs::read_dir(workspace::root().join("fixtures/images")).unwrap() {
