@@ -2,9 +2,9 @@
 
 use crate::{args::SampleType, fault::CallerError};
 use anyhow::{Context, Result};
-use isokit::{mesh::Rgba, pipeline::IsoChoice};
+use isokit::{mesh::Rgba, pipeline::IsoChoice, volume::Quantity};
 use serde::{Deserialize, Deserializer, de::Error};
-use std::{fs, path::Path};
+use std::{fmt::Display, fs, path::Path, str::FromStr};
 
 /// All that a file may say.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
@@ -35,13 +35,16 @@ pub(crate) struct VolumeTable {
     pub(crate) path: String,
     /// What the file does not say, or says wrongly, as on the command line.
     pub(crate) dims: Option<[u64; 3]>,
-    #[serde(default, deserialize_with = "sample_type")]
+    #[serde(default, deserialize_with = "parsed")]
     pub(crate) dtype: Option<SampleType>,
     pub(crate) skip: Option<u64>,
     pub(crate) spacing: Option<[f64; 3]>,
     pub(crate) origin: Option<[f64; 3]>,
     /// Which one of a file that holds several.
     pub(crate) index: Option<u64>,
+    /// What is read of one of vectors.
+    #[serde(default, deserialize_with = "parsed")]
+    pub(crate) quantity: Option<Quantity>,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq)]
@@ -312,7 +315,7 @@ impl SceneFile {
     }
 }
 
-impl std::str::FromStr for Ground {
+impl FromStr for Ground {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -340,7 +343,12 @@ impl<'de> Deserialize<'de> for Color {
     }
 }
 
-fn sample_type<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SampleType>, D::Error> {
+/// A word that means the same on the command line.
+fn parsed<'de, T, D>(deserializer: D) -> Result<Option<T>, D::Error>
+where
+    T: FromStr<Err: Display>,
+    D: Deserializer<'de>,
+{
     String::deserialize(deserializer)?.parse().map(Some).map_err(D::Error::custom)
 }
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 
+from kit.bench_goal import Goal
 from kit.bench_volumes import Volume
 from kit.bench_worker import COLD, Failed, Worker
 from kit.program import PROJECT
@@ -82,16 +83,14 @@ class Result:
     aim: float | None = None
     remark: str = ""
 
+    @property
+    def goal(self) -> Goal:
+        """What was wanted."""
+        return Goal(self.must, self.aim, self.at_least)
+
     def verdict(self) -> str:
         """Whether the ratio is what was wanted, and by how much it is not."""
-        if self.must is None:
-            return ""
-        if self._reaches(self.aim):
-            return "aim"
-        if self._reaches(self.must):
-            return "must"
-        gap = self.must / self.ratio if self.at_least else self.ratio / self.must
-        return f"short by {100 * (gap - 1):.0f} %"
+        return self.goal.verdict(self.ratio)
 
     def spread(self) -> str:
         """The ratio and the range of its middle half, for people."""
@@ -101,11 +100,6 @@ class Result:
     def as_dict(self) -> dict:
         """For the data."""
         return asdict(self) | {"verdict": self.verdict()}
-
-    def _reaches(self, wanted: float | None) -> bool:
-        if wanted is None:
-            return False
-        return self.ratio >= wanted if self.at_least else self.ratio <= wanted
 
 
 class Bench:

@@ -116,10 +116,7 @@ def table(bench: Bench, facts: dict, warning: str) -> str:
 
 def line(result: Result) -> str:
     """One row of a Markdown table."""
-    sign = "≥" if result.at_least else "≤"
-    must, aim = (
-        f"{sign} {limit:.3g}" if limit is not None else "" for limit in (result.must, result.aim)
-    )
+    must, aim = result.goal.words()
     ratio = "**{}** {}".format(*result.spread().split(" "))
     work = result.work.replace("|", "\\|")
     cells = (work, result.ours, result.theirs, ratio, must, aim, result.verdict(), result.remark)

@@ -24,7 +24,7 @@ A scene file says more than options; each option, where given, comes before what
 
   [volume]
   path = \"ct.nii.gz\"           # beside the scene file
-  spacing = [0.5, 0.5, 1]      # or origin, index, and dims, dtype, skip, as on the command line
+  spacing = [0.5, 0.5, 1]      # or origin, index, quantity, and dims, dtype, skip, as on the command line
   [[surface]]                  # any number, or none
   name = \"skin\"
   iso = -300

@@ -113,7 +113,7 @@ impl ExtractPlan {
         };
         check_refine(&refine, &surface)?;
         let volume = args.volume.options();
-        check_scene(&args, &volume)?;
+        check_scene(&args)?;
         let color = ColorPlan::new(args.color, &target)?;
         if args.max_memory.is_some() {
             check_slabs(&target, &volume, (&surface, &refine, &color), repeat)?;
@@ -244,16 +244,13 @@ fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), 
 }
 
 /// What a scene cannot say.
-fn check_scene(args: &ExtractArgs, volume: &VolumeOptions) -> Result<(), UsageError> {
+fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
     let Some(path) = &args.dump_scene else { return Ok(()) };
     let is_scene = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     let says = match () {
         () if !is_scene => "--dump-scene: expected a name that ends in .toml",
         () if args.roi.is_some() || args.roi_mm.is_some() => {
             "--dump-scene: a scene shows the whole volume: leave out --roi"
-        }
-        () if volume.quantity.is_some() => {
-            "--dump-scene: a scene shows a volume, not vectors: leave out --quantity, or convert them first"
         }
         () if args.color.attribute.is_some() || args.color.texture.is_some() => {
             "--dump-scene: a scene has no colours of vertices: leave out --attribute and --texture"

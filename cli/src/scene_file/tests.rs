@@ -77,6 +77,7 @@ fn a_word_too_many_is_refused_with_its_line() {
         ("[[clip]]\nplane = [1, 0, 0]", "length"),
         ("[camera]\nat = \"middle\"", "expected \"center\" or three numbers"),
         ("[volume]\n", "missing field `path`"),
+        ("[volume]\npath = \"a\"\nquantity = \"curl\"", "expected x, y, z, speed"),
     ] {
         let found = refusal(text);
         assert!(found.contains(says), "{text}: {found}");

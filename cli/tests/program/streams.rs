@@ -52,6 +52,13 @@ fn progress_is_shown_where_it_was_asked_for() {
     assert!(shown.lines().any(|line| line.ends_with(" %")), "{shown}");
     let never = folder.done("extract ball.nii --iso 50 -o a.ply").err;
     assert!(!never.contains('%'), "{never}");
+    for mode in ["surfaces", "iso-raycast", "raycast", "splat"] {
+        let line = format!("render ball.nii --iso 50 --mode {mode} --size 33x33 -o a.png");
+        let shown = folder.done(&format!("{line} --progress always")).err;
+        let last = shown.lines().rfind(|line| line.ends_with(" %"));
+        assert_eq!(last, Some("render: 100 %"), "{mode}: {shown}");
+        assert!(!folder.done(&line).err.contains('%'), "{mode}");
+    }
 }
 
 /// A pipe whose reader has gone.

@@ -50,3 +50,41 @@ fn without_it_vectors_are_refused_with_its_name() {
     let ran = folder.run("info y.nrrd --quantity speed");
     assert!(ran.err.contains("three numbers per sample, found one"), "{}", ran.err);
 }
+
+#[test]
+fn a_scene_names_a_quantity_and_an_extraction_of_one_says_it() {
+    let folder = folder();
+    folder.done("extract flow.nrrd --quantity speed --iso 0.5 -o a.ply --dump-scene s.toml");
+    let scene = fs::read_to_string(folder.path("s.toml")).unwrap();
+    assert!(scene.contains("quantity = \"speed\""), "{scene}");
+    let range = |line: &str| {
+        folder.done(&format!("render {line} --size 33x33 -o a.png --report r.json"));
+        let range = folder.json("r.json")["input"]["range"].clone();
+        (range, fs::read(folder.path("a.png")).unwrap())
+    };
+    let (speeds, picture) = range("s.toml");
+    assert_eq!(speeds, range("flow.nrrd --quantity speed --iso 0.5").0);
+    // What was typed comes before what the file says.
+    let (turns, other) = range("s.toml --quantity vorticity");
+    assert!(turns != speeds && other != picture, "{turns}");
+    let without = scene.replace("quantity = \"speed\"\n", "");
+    fs::write(folder.path("s.toml"), without).unwrap();
+    let ran = folder.run("render s.toml -o a.png");
+    assert!(ran.exit == Exit::Failed && ran.err.contains("--quantity says"), "{}", ran.err);
+}
+
+#[test]
+fn a_mesh_has_no_quantity() {
+    let folder = folder();
+    folder.done("extract flow.nrrd --quantity speed --iso 0.5 -o a.stl");
+    for (line, says) in [
+        ("render a.stl --quantity speed -o a.png", "a mesh has no samples: leave out --quantity"),
+        ("render a.stl --spacing 1,1,1 -o a.png", "a mesh has no samples"),
+        ("convert a.stl --quantity speed -o b.ply", "--quantity are for volumes"),
+    ] {
+        let ran = folder.run(line);
+        assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{line}: {}", ran.err);
+    }
+    assert!(folder.run("info a.stl --quantity speed").err.contains("this is a mesh"));
+    assert_eq!(folder.names(), ["a.stl", "flow.nrrd"]);
+}

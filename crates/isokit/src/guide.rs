@@ -15,6 +15,11 @@ pub mod shapes {
     #![doc = include_str!("guide/shapes.md")]
 }
 
+/// Scenes, and what is promised of their pictures.
+pub mod pictures {
+    #![doc = include_str!("guide/pictures.md")]
+}
+
 /// Files, axes and units.
 pub mod formats {
     #![doc = include_str!("guide/formats.md")]

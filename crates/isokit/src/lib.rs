@@ -38,7 +38,7 @@
 //! | put solids together, by a file or in Rust | [`guide::shapes`], [`solid`] |
 //! | make a volume of a mesh, and one of its colours | [`solid::voxelize`], [`solid::voxelize_with_colors`] |
 //! | bring the triangles of a surface nearer to its field | [`pipeline::Scan::refine`], [`refine`](mod@refine) |
-//! | make pictures of surfaces and of values | [`scene`], [`render`](mod@render) |
+//! | make pictures of surfaces and of values | [`guide::pictures`], [`scene`], [`render`](mod@render) |
 //! | receive a surface in memory of your own | [`mesh::MeshSink`] |
 //! | write a surface that no memory holds | [`io::MeshSpool`] |
 //! | find out what is wrong with a mesh | [`mesh::topology`] |

@@ -29,6 +29,8 @@ pub(super) fn text(plan: &ExtractPlan, isos: &[f64]) -> Result<String> {
         three.iter().try_for_each(|three| writeln!(text, "{name} = {three:?}"))?;
     }
     options.volume_index.iter().try_for_each(|index| writeln!(text, "index = {index}"))?;
+    let quantity = options.quantity.map(|quantity| quoted(&quantity.to_string()));
+    quantity.iter().try_for_each(|quantity| writeln!(text, "quantity = {quantity}"))?;
     for (n, (level, iso)) in plan.levels.iter().zip(isos).enumerate() {
         let LevelPlan { name, color: own, .. } = level;
         let name = name.as_ref().map_or(String::new(), |name| format!("name = {}\n", quoted(name)));

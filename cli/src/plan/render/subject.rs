@@ -13,17 +13,13 @@ use std::path::Path;
 /// What is looked at: what the scene names, or what was typed.
 pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject, UsageError> {
     let Some(file) = file else {
-        let options = args.volume.options();
-        let VolumeOptions { volume_index, raw, spacing, origin, .. } = &options;
-        let describes =
-            volume_index.is_some() || raw.is_some() || spacing.is_some() || origin.is_some();
         return match mesh_format(&args.input) {
-            Some(_) if describes => {
-                let says = "a mesh has no samples: leave out what describes those of a volume";
+            Some(_) if !args.volume.is_empty() => {
+                let says = "a mesh has no samples: leave out --quantity, --spacing and what else says how a volume is read";
                 Err(UsageError(says.into()))
             }
             Some(_) => Ok(Subject::Mesh(args.input.clone(), args.color)),
-            None => Ok(Subject::Volume(args.input.clone(), options)),
+            None => Ok(Subject::Volume(args.input.clone(), args.volume.options())),
         };
     };
     let Some(volume) = &file.volume else {
@@ -51,6 +47,7 @@ fn described(table: &VolumeTable, typed: VolumeOptions) -> Result<VolumeOptions,
     options.spacing = options.spacing.or(table.spacing);
     options.origin = options.origin.or(table.origin);
     options.volume_index = options.volume_index.or(table.index);
+    options.quantity = options.quantity.or(table.quantity);
     Ok(options)
 }
 

@@ -10,8 +10,8 @@ use isokit_geom::{Aabb, Affine, Frame, HalfSpace, Space};
 use isokit_job::Job;
 use isokit_mesh::{Positions, TriMesh};
 use isokit_render::{
-    ControlPoint, Gathered, Image, Projection, RasterOptions, RaycastOptions, Side, Size,
-    TransferFunction,
+    ControlPoint, Gathered, Image, Pattern, Projection, RasterOptions, RaycastOptions, Side, Size,
+    SolidTexture, TransferFunction,
 };
 use isokit_volume::{Grid, Scaling, Volume};
 use std::num::NonZeroU32;
@@ -110,6 +110,30 @@ fn planes_cut_what_they_name_and_caps_close_it() {
     let both = with(vec![behind(5.0, None, CapStyle::Solid), other]);
     // The camera looks along a line that it takes away the cap of, and the surfaces behind.
     assert_near(both, [0.0; 3], 0.0);
+}
+
+#[test]
+fn a_cap_is_cut_from_the_solid_that_its_surface_is_cut_from() {
+    let texture = SolidTexture::new(Pattern::Checker, [RED, BLUE], 4.0).unwrap();
+    let skin = SurfaceLook { texture: Some(texture), ..look("skin", 0.0, [1.0; 3], 1.0) };
+    let clips = vec![behind(5.0, None, CapStyle::Solid)];
+    let (scene, scan) = (Scene { surfaces: vec![skin], clips, ..scene() }, scan());
+    let traced = scene.trace(&scan, size(), &Job::default()).unwrap().0;
+    for image in [drawn(&scene, &scan).unwrap(), traced] {
+        let mut seen = [0; 2];
+        for (column, row) in (18..63).flat_map(|row| (18..63).map(move |column| (column, row))) {
+            // Seen from the front x points to the left.
+            let [x, z] = [column, row].map(|n| (40.0 - f64::from(n)) * 60.0 / 81.0);
+            let is_at_edge = |c: f64| (c / 4.0 - (c / 4.0).round()).abs() < 0.15;
+            if is_at_edge(x) || is_at_edge(z) || x.hypot(z) > 19.0 {
+                continue;
+            }
+            let color = texture.at([x, 5.0, z]);
+            assert_near(image.pixel(column, row), color, 1.0);
+            seen[usize::from(color == BLUE)] += 1;
+        }
+        assert!(seen.iter().all(|&pixels| pixels > 100), "{seen:?}");
+    }
 }
 
 #[test]
