@@ -78,6 +78,21 @@ pub(crate) struct Room<'a, C> {
     pub(crate) normals: Option<&'a mut [[f32; 3]]>,
 }
 
+/// Bytes of samples of one slice in a band. A gyroid of 1024³ in f32, whose slices take 4 MiB, takes 0.7 of the time
+/// that slice after slice takes, smaller ones the same (EPYC of 2021, one thread, November 2026).
+const BAND: usize = 1 << 15;
+
+/// Rows in a band, even if they are longer: those beside a band are looked at twice.
+const LEAST: usize = 4;
+
+/// What is not yet written of a slice.
+struct Unfilled<'a, T, C> {
+    flat: Room<'a, C>,
+    upright: Room<'a, C>,
+    triangles: &'a mut [[u32; 3]],
+    special: Option<SpecialWriter<'a, T, C>>,
+}
+
 /// Some slices, and their part of the output.
 type Task<'a, C> = (Range<usize>, Room<'a, C>, &'a mut [[u32; 3]]);
 
@@ -137,10 +152,9 @@ impl<T: Sample> Fill<'_, T> {
             provide(triangles);
             room.provide();
             exactly(|| {
-                for z in slices {
-                    self.slice(z, &mut room, &mut triangles, scratch);
-                    job.progress.advance(1);
-                }
+                let layers = slices.len() as u64;
+                self.bands(slices, &mut room, &mut triangles, scratch);
+                job.progress.advance(layers);
             });
             Ok(())
         };
@@ -158,36 +172,49 @@ impl<T: Sample> Fill<'_, T> {
         let mut room = Room { positions, normals };
         provide(triangles);
         room.provide();
-        for z in slices {
-            self.slice(z, &mut room, &mut triangles, scratch);
+        self.bands(slices, &mut room, &mut triangles, scratch);
+    }
+
+    /// Fills slices that lie one above another: of each a band of rows, then the next band. A vertex looks at samples of
+    /// four slices, which of such a band stay in the second cache, however large a slice is.
+    fn bands<'a, C: Coordinate>(
+        &'a self,
+        slices: Range<usize>,
+        room: &mut Room<'a, C>,
+        triangles: &mut &'a mut [[u32; 3]],
+        scratch: &mut Scratch,
+    ) {
+        let makes_some = |&z: &usize| self.layout.before(z) != self.layout.before(z + 1);
+        let begin = |z| (z, self.begin(z, room, triangles));
+        let mut slices: Vec<_> = slices.filter(makes_some).map(begin).collect();
+        let [nx, ny, _] = self.planes.lattice.points;
+        let rows_of_band = (BAND / (nx * size_of::<T>())).max(LEAST);
+        for first in (0..ny).step_by(rows_of_band) {
+            let rows = first..ny.min(first + rows_of_band);
+            for (z, left) in &mut slices {
+                self.band(*z, rows.clone(), left, scratch);
+            }
         }
     }
 
-    /// A slice's vertices, those along x and y row by row, then those along z, then those in special cells;
-    /// and its triangles.
-    fn slice<C: Coordinate>(
-        &self,
+    /// Takes the room of a slice: for the vertices along x and y row by row, then those along z, then those in special
+    /// cells; and for its triangles, the last of which are those of special cells.
+    fn begin<'a, C: Coordinate>(
+        &'a self,
         z: usize,
-        room: &mut Room<'_, C>,
-        triangles: &mut &mut [[u32; 3]],
-        scratch: &mut Scratch,
-    ) {
-        if self.layout.before(z) == self.layout.before(z + 1) {
-            return;
-        }
-        let Scratch { words, along_x_and_y, along_z } = scratch;
-        let [_, ny, nz] = self.planes.lattice.points;
+        room: &mut Room<'a, C>,
+        triangles: &mut &'a mut [[u32; 3]],
+    ) -> Unfilled<'a, T, C> {
         let first = self.layout.row(self.planes.lattice, 0, z);
         let first_inner = self.layout.first_inner(z);
-        let mut flat = room.split_off((first.z - first.x) as usize);
-        let mut upright = room.split_off((first_inner - first.z) as usize);
         let cells = self.layout.special(z);
         let [before, after] = [z, z + 1].map(|z| self.layout.before(z));
+        let flat = room.split_off((first.z - first.x) as usize);
+        let upright = room.split_off((first_inner - first.z) as usize);
         let triangles = split_off(triangles, (after.triangles - before.triangles) as usize);
-        // The last triangles of the slice are those of its special cells.
         let others = triangles.len() - cells.triangles as usize;
-        let (mut triangles, special) = triangles.split_at_mut(others);
-        let mut special = (!cells.all().is_empty()).then(|| SpecialWriter {
+        let (triangles, special) = triangles.split_at_mut(others);
+        let special = (!cells.all().is_empty()).then(|| SpecialWriter {
             cells: cells.all(),
             values: self.values,
             placer: &self.placer,
@@ -198,34 +225,47 @@ impl<T: Sample> Fill<'_, T> {
             triangles: special,
             filling: Filling::default(),
         });
+        Unfilled { flat, upright, triangles, special }
+    }
+
+    /// Fills what some rows of a slice make.
+    fn band<C: Coordinate>(
+        &self,
+        z: usize,
+        rows: Range<usize>,
+        left: &mut Unfilled<'_, T, C>,
+        scratch: &mut Scratch,
+    ) {
+        let Scratch { words, along_x_and_y, along_z } = scratch;
+        let Unfilled { flat, upright, triangles, special } = left;
         along_x_and_y.edges.begin(self.sample(z));
         along_z.edges.begin(self.sample(z));
         let rows_of_block = (BLOCK / self.planes.lattice.words).max(1);
-        for y in (0..ny).step_by(rows_of_block) {
-            let rows = y..ny.min(y + rows_of_block);
+        for y in rows.clone().step_by(rows_of_block) {
+            let rows = y..rows.end.min(y + rows_of_block);
             if self.layout.are_blank(self.planes.lattice, rows.clone(), z) {
                 continue;
             }
             self.layout.words(self.planes, rows, z, words);
-            if let Some(special) = &mut special {
+            if let Some(special) = special {
                 special.rows(words, |y| self.first_vertices(y, z));
             }
-            if z + 1 < nz {
+            if z + 1 < self.planes.lattice.points[2] {
                 let written = self.triangles(z, words, triangles);
-                split_off(&mut triangles, written);
+                split_off(triangles, written);
             }
             match words.len() <= BLOCK {
-                true => self.edges(&[0, 1], words, along_x_and_y, &mut flat),
+                true => self.edges(&[0, 1], words, along_x_and_y, flat),
                 false => {
                     // One long row: all edges along x come before those along y.
-                    self.edges(&[0], words, along_x_and_y, &mut flat);
-                    self.edges(&[1], words, along_x_and_y, &mut flat);
+                    self.edges(&[0], words, along_x_and_y, flat);
+                    self.edges(&[1], words, along_x_and_y, flat);
                 }
             }
-            self.edges(&[2], words, along_z, &mut upright);
+            self.edges(&[2], words, along_z, upright);
         }
-        self.flush(along_x_and_y, &mut flat);
-        self.flush(along_z, &mut upright);
+        self.flush(along_x_and_y, flat);
+        self.flush(along_z, upright);
     }
 
     /// The number of the sample at a lattice index. A guard before the first has −1, which wraps.

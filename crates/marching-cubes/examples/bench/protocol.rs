@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::{
     fs::{self, File},
     io::Read,
+    num::NonZeroU32,
     path::PathBuf,
     time::Instant,
 };
@@ -69,6 +70,13 @@ pub(crate) struct Extract {
     /// Whether the bricks are known; they are made off the clock.
     #[serde(default)]
     pub(crate) index: bool,
+    /// How often, one run right after another into the same memory; the time is that of one on average.
+    #[serde(default = "once")]
+    pub(crate) runs: NonZeroU32,
+}
+
+fn once() -> NonZeroU32 {
+    NonZeroU32::MIN
 }
 
 /// What lies beyond the border.
