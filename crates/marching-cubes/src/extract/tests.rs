@@ -165,6 +165,17 @@ fn rows_may_end_anywhere_in_a_word() {
 }
 
 #[test]
+fn large_slices_that_are_filled_band_by_band_have_the_surface_that_is_defined() {
+    // Of 2.2 MB each, with queues of vertices that are full before a slice ends.
+    let sample = |r: u64| f64::from(u8::from(r.is_multiple_of(40)));
+    let large = chance([700, 400, 5], 1, sample);
+    for (boundary, layers) in [(Boundary::Closed, 3), (Boundary::Open, usize::MAX)] {
+        let options = TABLE.with_boundary(boundary).with_nan(Nan::Mask);
+        check(&large, 0.5, &options.with_layers_per_task(NonZeroUsize::new(layers).unwrap()));
+    }
+}
+
+#[test]
 fn what_has_no_value_or_no_finite_one_has_the_surface_that_is_defined() {
     let sample = |r: u64| match r % 12 {
         0 | 1 => f32::NAN,

@@ -141,6 +141,9 @@ fn slices_larger_than_a_slab_are_the_same_in_used_memory() {
     check(&large.view(), 3.0, &ExtractOptions::DEFAULT);
     let large = volume([300, 220, 17], |n| (chance(n / 37) % 7) as f64);
     check(&large.view(), 3.0, &ExtractOptions::DEFAULT);
+    // Slices that are filled two at a time, band by band.
+    let large = volume([700, 400, 17], |n| (chance(n / 900) % 64 / 62) as f64);
+    check(&large.view(), 0.5, &ExtractOptions::DEFAULT);
 }
 
 #[test]
