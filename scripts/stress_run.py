@@ -3,8 +3,8 @@
 
 Started by `scripts/stress`, which installs the peers and builds the program. Small volumes go
 through isokit in rows of modes in which every two answers to two options meet; with all threads,
-instructions and kinds of memory the mesh must be the same. Then, unless `--quick`, each volume of
-the listed size goes through isokit once for each type of sample that holds its values, and, in its
+instructions, kinds of memory and types of samples the mesh must be the same. Then, unless
+`--quick`, each volume of the listed size goes through isokit once for each type of sample that holds its values, and, in its
 own type, through each peer, in a process of its own. Table and data go to
 scripts/results/DATE-CPU/stress, those of the small form to target/stress. Exit 1 if isokit fails an
 item.
@@ -108,7 +108,8 @@ def judge_isokit(modes: Modes, item: Item, quick: bool, scratch: Path) -> Verdic
             if key not in plain:
                 plain[key], found = stress_isokit.judge(modes, case, mode.plain, scratch)
                 if (case.same_as, mode.plain) in plain:
-                    found["differs"] = shape_differs(plain[key], plain[case.same_as, mode.plain])
+                    twin = plain[case.same_as, mode.plain]
+                    found["differs"] = stress_isokit.shape_differs(plain[key], twin)
                 verdict.add(name, str(mode.plain), found)
             if mode != mode.plain:
                 found = stress_isokit.same(modes, case, mode, plain[key], scratch)
@@ -124,11 +125,12 @@ def listed(modes: Modes, item: Item, verdict: Verdict, scratch: Path) -> None:
     for case in item.cases(False):
         plain[case.name], found = stress_isokit.judge(modes, case, LISTED, scratch)
         if case.same_as in plain:
-            found["differs"] = shape_differs(plain[case.name], plain[case.same_as])
+            twin = plain[case.same_as]
+            found["differs"] = stress_isokit.shape_differs(plain[case.name], twin)
         verdict.add(case.name, str(LISTED), found)
         for other in in_types(case):
             mesh, _, wrong = stress_isokit.run(modes, other, LISTED, scratch)
-            found = wrong or {"differs": shape_differs(mesh, plain[case.name])}
+            found = wrong or {"differs": stress_isokit.shape_differs(mesh, plain[case.name])}
             verdict.add(other.name, str(LISTED), found)
 
 
@@ -138,14 +140,6 @@ def timed(judge: Callable[[], Verdict]) -> Verdict:
     verdict = judge()
     verdict.seconds = time.monotonic() - start
     return verdict
-
-
-def shape_differs(one: Mesh | None, other: Mesh | None) -> int:
-    """1 if two meshes differ, normals aside: those of samples of more bits are rounded later."""
-    if one is None or other is None:
-        return 1
-    one, other = Mesh(one.vertices, one.triangles), Mesh(other.vertices, other.triangles)
-    return int(not one.same_as(other))
 
 
 def parse() -> argparse.Namespace:

@@ -11,7 +11,8 @@ import numpy as np
 from kit import stress_shapes, stress_values
 from kit.stress_case import IDENTITY, ITEMS, Case, in_types, seen
 from kit.stress_check import CRITERIA, Allowed, Mesh, faults
-from kit.stress_modes import pairwise
+from kit.stress_isokit import in_type
+from kit.stress_modes import Mode, pairwise
 from kit.tally import Tally
 
 assert stress_values and stress_shapes  # they fill the list
@@ -81,6 +82,9 @@ def meshes(tally: Tally) -> None:
 
 def allowances(tally: Tally) -> None:
     """What is excused, and only there."""
+    pointed = moved(0, [1, 1.5, 1])
+    exact = wrong(pointed, CASE, Allowed(turned_out=False, flat=True))
+    tally.check("a vertex in another", "is lawful if exact", exact == set(), exact)
     half = Case("half", np.float32([[[2, 2], [2, 2]], [[0, 0], [0, 0]]]), 1)
     sheet = np.float32([[0, 0, 0.5], [1, 0, 0.5], [1, 1, 0.5], [0, 1, 0.5]])
     mesh = Mesh(sheet, np.array([[0, 1, 2], [0, 2, 3]]))
@@ -122,6 +126,13 @@ def inputs(tally: Tally) -> None:
     found = [case.samples.dtype.str[1:] for case in in_types(whole)]
     others = ["u1", "u2", "i2", "u4", "i4", "f4", "f8"]
     tally.check("whole numbers", "go into all types", found == others, found)
+    kinds = {name: in_type(whole, Mode(dtype=name)) for name in ("own", "integer", "float")}
+    found = "".join(case.samples.dtype.kind for case in kinds.values())
+    tally.check("modes", "ask for types", found in ("iif", "iuf") and kinds["own"] is whole, found)
+    turns = {in_type(whole, Mode(dtype="integer", simd=str(n))).name for n in range(9)}
+    tally.check("modes", "ask for all types in turn", len(turns) == 5, turns)
+    half = in_type(Case("half", np.array([[[0.5]]]), 0), Mode(dtype="integer"))
+    tally.check("halves", "stay what they are", half.samples.dtype == np.float64)
     tally.check("frame", "is the identity", np.array_equal(IDENTITY, np.eye(3)))
 
 

@@ -1,18 +1,21 @@
 //! The targets of `tests/fuzz` on bytes by chance and on files with wrong bytes; `scripts/fuzz` looks longer.
 //!
-//! `VOLUMES=1000000 cargo nextest run -p isokit-tests --test fuzz` extracts from so many volumes.
+//! `VOLUMES=1000000 cargo nextest run --release -p isokit-tests --test fuzz` extracts from so many volumes.
 
 use isokit::{
+    for_any,
     geom::Frame,
     io::{MeshContext, write_colors, write_mesh, write_volume},
     job::Job,
     marching_cubes::{ExtractOptions, extract},
     mesh::Surface,
+    refine::{RefineOptions, Subdivision},
     volume::{Channels, ColorVolume, Grid, Volume},
 };
 use isokit_tests::{
     chance::{Chance, many},
-    fuzz::{self, mesh_file, volume_file},
+    fuzz::{self, mesh_file, promises, volume_file},
+    hard,
 };
 use proptest::prelude::*;
 use std::{
@@ -99,9 +102,59 @@ fn volumes_and_options_by_chance() {
 }
 
 #[test]
+fn volumes_by_chance_divided_and_balanced() {
+    let mut chance = Chance::new(2);
+    for n in 0..many("VOLUMES", 3000) / 5 {
+        let bytes: Vec<u8> = (0..n % 800).map(|_| chance.bits() as u8).collect();
+        fuzz::refine(&bytes);
+    }
+}
+
+#[test]
+fn volumes_by_chance_piece_by_piece() {
+    let mut chance = Chance::new(3);
+    for n in 0..many("VOLUMES", 3000) / 5 {
+        let bytes: Vec<u8> = (0..n % 1600).map(|_| chance.bits() as u8).collect();
+        fuzz::pieces(&bytes);
+    }
+}
+
+/// Each line is a target and bytes at which it once failed, shrunk, and behind them what was wrong.
+#[test]
+fn what_once_failed_does_not() {
+    let kept = include_str!("fuzz/kept.txt").lines().filter(|line| !line.starts_with('#'));
+    let kept: Vec<&str> = kept.collect();
+    assert!(!kept.is_empty());
+    for line in kept {
+        let mut words = line.splitn(3, ' ');
+        let mut word = || words.next().unwrap_or_else(|| panic!("three parts: {line}"));
+        let (name, digits, says) = (word(), word(), word());
+        let target = fuzz::target(name).unwrap_or_else(|| panic!("no target {name}"));
+        let byte = |n: usize| u8::from_str_radix(&digits[n..n + 2], 16);
+        let bytes: Result<Vec<u8>, _> = (0..digits.len()).step_by(2).map(byte).collect();
+        assert!(says.len() > 10, "{line}");
+        target(&bytes.unwrap_or_else(|error| panic!("{error}: {line}")));
+    }
+}
+
+#[test]
 fn sound_files_are_read() {
     volume_files().iter().for_each(|file| volume_file(file));
     mesh_files().iter().for_each(|file| mesh_file(file));
+}
+
+/// All that may be done to a surface.
+fn ways() -> impl Strategy<Value = RefineOptions> {
+    let subdivision = prop::sample::select(vec![
+        Subdivision::None,
+        Subdivision::Levels(1),
+        Subdivision::Levels(2),
+        Subdivision::MaxError(0.3),
+        Subdivision::MaxError(0.03),
+    ]);
+    (subdivision, any::<bool>()).prop_map(|(subdivision, balance)| {
+        RefineOptions::DEFAULT.with_subdivision(subdivision).with_balance(balance)
+    })
 }
 
 proptest! {
@@ -110,6 +163,32 @@ proptest! {
     #[test]
     fn volumes_and_options_that_shrink(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
         fuzz::extract(&bytes);
+    }
+
+    #[test]
+    fn near_ties_extremes_and_gaps_in_every_mode(
+        (volume, iso) in hard::volumes(),
+        options in hard::options(),
+    ) {
+        for_any!(&volume, volume => promises::surface(&volume.view(), iso, &options));
+    }
+
+    #[test]
+    fn near_ties_extremes_and_gaps_piece_by_piece(
+        (volume, iso) in hard::volumes(),
+        options in hard::options(),
+        more in 0..3_usize,
+    ) {
+        for_any!(&volume, volume => promises::pieces(&volume.view(), iso, &options, more));
+    }
+
+    #[test]
+    fn near_ties_extremes_and_gaps_divided_and_balanced(
+        (volume, iso) in hard::volumes(),
+        options in hard::options(),
+        way in ways(),
+    ) {
+        promises::refined(&volume, iso, &options, &way);
     }
 
     #[test]

@@ -4,13 +4,13 @@
 //! of ties.
 
 use isokit::{
-    geom::Affine,
+    geom::{Affine, Frame},
     job::{Job, Limits, Stopped, Threads},
     marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
     mesh::{TriMesh, measure},
     pipeline::{Normals, PipelineError, Scan, SurfaceOptions},
     refine::{RefineError, RefineOptions, Refined, Subdivision},
-    volume::{AnyVolume, Volume},
+    volume::{AnyVolume, Grid, Volume},
 };
 use isokit_tests::{
     chance::many,
@@ -208,6 +208,18 @@ fn ties_keep_their_topology_and_no_triangle_is_flat() {
     for seed in 0..many("VOLUMES", 6) as u64 {
         let (most, boundary) = [(1, Boundary::Closed), (3, Boundary::Open)][seed as usize % 2];
         check_chance(&Scan::new(volumes::ties([8, 7, 6], most, seed)), boundary);
+    }
+}
+
+/// The field around a sample on the isovalue, all others below it, has no surface but that point: there new vertices met.
+#[test]
+fn vertices_that_would_meet_stay_apart() {
+    check_chance(&Scan::new(volumes::ties([8, 7, 6], 1, 326)), Boundary::Closed);
+    for dims in [[1, 5, 4], [5, 5, 4], [3, 3, 3]] {
+        let grid = Grid::new(dims, Frame::default()).unwrap();
+        let mut samples = vec![-1_i8; grid.count() as usize];
+        samples[(dims[0] / 2 + dims[0] * (2 + 2 * dims[1])) as usize] = 0;
+        check_chance(&Scan::new(Volume::new(grid, samples).unwrap()), Boundary::Closed);
     }
 }
 

@@ -62,9 +62,9 @@ TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
 """All that isokit takes, by numpy's names."""
 
 
-def in_types(case: Case) -> Iterator[Case]:
+def in_types(case: Case, types: tuple[str, ...] = TYPES) -> Iterator[Case]:
     """The same values in every other type that holds them. Unsigned ones hold them from 0 on."""
-    for name in TYPES:
+    for name in types:
         dtype = np.dtype(name)
         if dtype == case.samples.dtype.newbyteorder("="):
             continue

@@ -46,6 +46,8 @@ class Allowed:
     """It may end in cells that touch a NaN."""
     turned_out: bool = True
     """It need not enclose a volume."""
+    flat: bool = False
+    """Triangles may have no area, and vertices lie where others do."""
     reach: float = 2e-3
     """Samples from the border that still count as on it."""
 
@@ -93,7 +95,8 @@ def faults(mesh: Mesh, case: Case, allowed: Allowed) -> dict[str, int]:
             free |= beside_gaps(places, case.samples)
         found["away"] = int((away(places, case) & is_used & finite & ~free).sum())
         connections(found, triangles, borders(places, case, allowed), free)
-        areas(found, triangles, mesh.vertices)
+        if not allowed.flat:
+            areas(found, triangles, mesh.vertices)
         if not allowed.turned_out and len(triangles) > 0:
             found["volume"] = int(not encloses(mesh.vertices, triangles))
     return found

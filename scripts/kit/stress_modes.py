@@ -1,6 +1,6 @@
 """The modes of the program that the stress list asks for, and how few runs pair them all.
 
-A surface is said by three options. The other choices must not change a byte of it, so a mesh is
+A surface is said by five options. The other choices must not change a byte of it, so a mesh is
 compared with that of its plain mode and only the plain one is looked at. Standard library only.
 """
 
@@ -32,15 +32,19 @@ class Mode:
     placement: str = "linear"
     normals: str = "gradient"
     boundary: str = "closed"
+    degenerate: str = "never"
     threads: str = "1"
     simd: str = "portable"
     memory: str = "whole"
+    """All at once; some slices at a time; or with an index of bricks."""
     floats: str = "usual"
+    dtype: str = "own"
+    """Samples of the case's own type; of another type of integers or of floats that holds them."""
 
     @property
     def plain(self) -> "Mode":
         """The mode that must give the same bytes."""
-        return Mode(self.topology, self.placement, self.normals, self.boundary)
+        return Mode(self.topology, self.placement, self.normals, self.boundary, self.degenerate)
 
     def __str__(self) -> str:
         """As a message names it."""
@@ -48,10 +52,11 @@ class Mode:
 
     def options(self) -> list[str]:
         """For the command line."""
-        fixed = ["--degenerate", "never", "--nan", "outside", "--quiet"]
-        sliced = ["--max-memory", "512MiB"] if self.memory == "sliced" else []
-        named = ("topology", "placement", "normals", "boundary", "threads")
-        return fixed + sliced + [part for n in named for part in (f"--{n}", getattr(self, n))]
+        fixed = ["--nan", "outside", "--quiet"]
+        memory = {"whole": [], "sliced": ["--max-memory", "512MiB"], "indexed": ["--index"]}
+        named = ("topology", "placement", "normals", "boundary", "degenerate", "threads")
+        chosen = [part for n in named for part in (f"--{n}", getattr(self, n))]
+        return fixed + memory[self.memory] + chosen
 
 
 LISTED = replace(Mode(), topology="trilinear", placement="quintic", threads="2", simd="")
@@ -72,10 +77,12 @@ class Modes:
             "placement": ["linear", "cubic", "quintic"],
             "normals": ["gradient", "matching"],
             "boundary": ["closed", "open"],
+            "degenerate": ["never", "exact"],
             "threads": ["1", "2"],
             "simd": levels,
-            "memory": ["whole", "sliced"],
+            "memory": ["whole", "sliced", "indexed"],
             "floats": ["usual", "flushed"] if self.library else ["usual"],
+            "dtype": ["own", "integer", "float"],
         }
         self.pairs = [Mode(**row) for row in pairwise(self.choices)]
 

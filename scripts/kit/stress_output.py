@@ -140,10 +140,12 @@ def table(facts: dict, results: Results, absent: dict[str, str]) -> str:
 def settings(facts: dict, tools: list[str]) -> Iterable[str]:
     """What each tool was told."""
     yield (
-        "- isokit: `--degenerate never --nan outside`; small volumes in "
-        f"{len(facts['rows'])} rows of modes in which every two of these meet, each compared with "
-        f"one thread, portable, whole, usual: {facts['modes']}. *sliced* is `--max-memory 512MiB`; "
-        "*flushed* runs with a library that has denormal numbers taken for 0."
+        f"- isokit: `--nan outside`; small volumes in {len(facts['rows'])} rows of modes in which "
+        "every two of these meet, each compared with one thread, portable, whole, usual, own: "
+        f"{facts['modes']}. *sliced* is `--max-memory 512MiB`, *indexed* `--index`; *flushed* runs "
+        "with a library that has denormal numbers taken for 0; *integer* and *float* are other "
+        "types that hold the values, where there are some. If *exact*, *flat* and *double* are "
+        "not counted, and *volume* is not looked at."
     )
     if not facts["quick"]:
         yield (

@@ -6,6 +6,20 @@
 mod bytes;
 mod extract;
 mod files;
+mod made;
+pub mod promises;
 
-pub use extract::extract;
+pub use extract::{extract, pieces, refine};
 pub use files::{mesh_file, volume_file};
+
+/// The target of a name.
+pub fn target(name: &str) -> Option<fn(&[u8])> {
+    let all: [(&str, fn(&[u8])); 5] = [
+        ("extract", extract),
+        ("refine", refine),
+        ("pieces", pieces),
+        ("volume_file", volume_file),
+        ("mesh_file", mesh_file),
+    ];
+    all.into_iter().find(|(own, _)| *own == name).map(|(_, target)| target)
+}

@@ -14,11 +14,11 @@ use isokit::{
     geom::Frame,
     job::{Job, Threads},
     marching_cubes::{
-        Boundary, Budget, Degenerate, ExtractOptions, Gradient, Placement, Slabs, Topology,
-        extract, extract_slabs,
+        Boundary, Budget, Degenerate, ExtractOptions, Gradient, Placement, Slabs, Source, Topology,
+        extract, extract_many, extract_slabs,
     },
     mesh::TriMesh,
-    volume::{Grid, Sample, Slices, View, Volume},
+    volume::{Bricks, Grid, Sample, Slices, View, Volume},
 };
 use isokit_tests::{check::Census, fields::Field, oracle::assert_as_defined, reference::Surface};
 use std::{array::from_fn, num::NonZeroUsize, sync::OnceLock};
@@ -133,7 +133,7 @@ fn assert_in_cells<T: Sample>(mesh: &TriMesh, view: &View<'_, T>, iso: f64) {
     }
 }
 
-/// On any number of threads, in any size of task and slice by slice.
+/// On any number of threads, in any size of task, slice by slice and with bricks.
 #[track_caller]
 fn assert_same_bytes<T: Sample>(
     expected: &TriMesh,
@@ -155,6 +155,11 @@ fn assert_same_bytes<T: Sample>(
         extract_slabs(source, &slabs, &mut vec![mesh.refill()], &Job::default()).unwrap();
         assert!(bits(&mesh) == bits(expected), "a window of {window} slices, {options:?}");
     }
+    let bricks = Bricks::of(view, &Job::default()).unwrap();
+    let source = Source::with_bricks(view, &bricks).unwrap();
+    let mut mesh = TriMesh::with_normals();
+    extract_many(source, &[iso], options, &mut [mesh.refill()], &Job::default()).unwrap();
+    assert!(bits(&mesh) == bits(expected), "with bricks, {options:?}");
 }
 
 /// All numbers of threads that are tried.

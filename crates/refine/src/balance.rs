@@ -5,14 +5,20 @@
 //! so does one where the field has no value: there is no surface, whatever its normal says.
 //!
 //! Most triangles are large beside the ways of their corners, and nothing can turn those over. The others
-//! are looked at, and corners go back until none is spoiled.
+//! are looked at, and corners go back until none is spoiled. So do vertices that meet in one place.
 //!
 //! Tried and slower: the gradient of the field in place of normals that are there, and sums by lists of the
 //! neighbours of each vertex.
 
 mod system;
 
-use crate::{RefineError, exact::in_chunks, ground::Ground, settle::settle, split::is_spoiled};
+use crate::{
+    RefineError,
+    exact::in_chunks,
+    ground::Ground,
+    settle::{Rules, settle},
+    split::is_spoiled,
+};
 use isokit_geom::vector::{Vector, length, normal, sub};
 use isokit_job::{CHUNK, Cancelled, Job};
 use isokit_lanes::exactly;
@@ -86,15 +92,20 @@ fn balanced<C: Coordinate>(
     let offsets = system.solved(triangles, job)?;
     let Moved { places: moved, mut states, ways } = vertices.moved(offsets, ground, job)?;
     let doubted = system.doubted(triangles, &ways, job)?;
-    let spoils = |n: usize, states: &[u8]| {
-        let place = |v: u32| match states[v as usize] {
-            0 => places[v as usize],
-            _ => moved[v as usize],
-        };
-        let before = doubted[n].map(|v| places[v as usize].map(C::into));
-        is_spoiled(doubted[n].map(|v| place(v).map(C::into)), normal(before))
+    let place = |v: usize, states: &[u8]| -> Vector {
+        let place = if states[v] == 0 { places[v] } else { moved[v] };
+        place.map(C::into)
     };
-    settle(&mut states, &doubted, spoils, job)?;
+    let rules = Rules {
+        parts: &doubted,
+        is_bad: |n: usize, states: &[u8]| {
+            let before = doubted[n].map(|v| places[v as usize].map(C::into));
+            is_spoiled(doubted[n].map(|v| place(v as usize, states)), normal(before))
+        },
+        count: places.len(),
+        place: |v: usize, states: &[u8]| Some(place(v, states)),
+    };
+    settle(&mut states, &rules, job)?;
     let kinds = vertices.kinds;
     let (mut balanced, mut kept) = (0, 0);
     for (v, place) in places.iter_mut().enumerate() {

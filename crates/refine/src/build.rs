@@ -137,7 +137,7 @@ mod tests {
         Isosurface,
         edges::{Edges, NEW},
         ground::Ground,
-        split::Split,
+        split::{Split, WHOLE},
     };
     use isokit_field::{Jet, ScalarField, Slope};
     use isokit_geom::Affine;
@@ -204,5 +204,40 @@ mod tests {
             assert!(near(found.measure.area, before.measure.area), "{choice:b}");
             assert!(near(found.measure.volume, before.measure.volume), "{choice:b}");
         }
+    }
+
+    #[test]
+    fn edges_whose_middles_meet_and_one_through_a_vertex_stay_whole() {
+        // Two tetrahedra with sides that cross in (2, 2, 0), and one with a corner in the middle of a side of another.
+        let corners = vec![
+            [3.0, 3.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [2.0, 1.0, 3.0],
+            [1.0, 3.0, 4.0],
+            [3.0, 1.0, 0.0],
+            [1.0, 3.0, 0.0],
+            [2.0, 1.0, -3.0],
+            [0.5, 1.0, -4.0],
+            [1.5, 1.0, 1.5],
+            [1.5, 0.0, 1.5],
+            [1.5, 0.0, 0.0],
+            [2.5, 0.5, 1.0],
+        ];
+        let solid = |n: u32| [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|t| t.map(|v| v + n));
+        let triangles = [0, 4, 8].into_iter().flat_map(solid).collect();
+        let positions = Positions::F32(corners);
+        let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+        let (job, surface) = (Job::default(), Isosurface { field: &Unknown, iso: 0.0 });
+        let edges = Edges::new(&mesh, &job).unwrap();
+        let ground = Ground::new(surface, Precision::F32);
+        let split = Split::new((&mesh, &edges), &ground, |_| true, &job).unwrap();
+        let whole = (0..edges.len()).filter(|&edge| split.states[edge] == WHOLE);
+        let whole: Vec<_> = whole.map(|edge| edges.ends[edge]).collect();
+        assert_eq!(whole, [[0, 1], [1, 2], [4, 5]]);
+        let built = build((&mesh, &edges), &split, &ground, &job).unwrap().0;
+        let mut places: Vec<_> = built.positions.iter().map(|p| p.map(f64::to_bits)).collect();
+        places.sort_unstable();
+        assert!(places.windows(2).all(|pair| pair[0] != pair[1]));
+        assert_eq!(topology(&built, &job).unwrap().shortfalls(), [""; 0]);
     }
 }

@@ -20,7 +20,8 @@ use crate::{
     edges::Edges,
     exact::in_chunks,
     ground::Ground,
-    settle::settle,
+    places::Things,
+    settle::{Rules, settle},
     split::{Corner, Cut, Split, WHOLE, is_spoiled, rounded},
 };
 use bricks::in_bricks;
@@ -72,6 +73,7 @@ pub(crate) fn crease(
     }
     let corners = corners((mesh, &edges), &split, &faces, ground, job)?;
     let (mut built, _) = build((mesh, &edges), &split, ground, job)?;
+    let corners = apart(corners, &built, job)?;
     let added = corners.len() as u64;
     fan(&mut built, corners, job)?;
     *mesh = built;
@@ -81,7 +83,7 @@ pub(crate) fn crease(
 /// Vertices that are nearer to the surface, in samples, are on it.
 const NEAR: f64 = 1e-4;
 
-/// Moves vertices onto the surface, along its gradient, as far as no triangle turns over; and says on which face each is.
+/// Moves vertices onto the surface, along its gradient, as far as no triangle turns over and none meets another; and says on which face each is.
 fn bring(
     mesh: &mut TriMesh,
     ground: &Ground<'_>,
@@ -106,11 +108,16 @@ fn bring(
         (1, Some((to, _))) => to,
         _ => mesh.positions.get(v as usize),
     };
-    let spoils = |t: usize, states: &[u8]| {
-        let corners = mesh.triangles[t];
-        is_spoiled(corners.map(|v| place(v, states)), normal(mesh.corners(corners)))
+    let rules = Rules {
+        parts: &mesh.triangles,
+        is_bad: |t: usize, states: &[u8]| {
+            let corners = mesh.triangles[t];
+            is_spoiled(corners.map(|v| place(v, states)), normal(mesh.corners(corners)))
+        },
+        count: moved.len(),
+        place: |v: usize, states: &[u8]| Some(place(v as u32, states)),
     };
-    settle(&mut states, &mesh.triangles, spoils, job)?;
+    settle(&mut states, &rules, job)?;
     let held = (0..states.len()).filter(|&v| states[v] == 1);
     for (v, (to, face)) in held.filter_map(|v| Some((v, moved[v]?))) {
         faces[v] = face;
@@ -186,6 +193,21 @@ fn corner(
     let long = length(sum);
     let outward = if long > 1e-3 { sum.map(|c| (c / long) as f32) } else { a.outward() };
     fan.into_iter().all(is_sound).then_some((place, outward))
+}
+
+/// Those that are nowhere where another one is, or a vertex of the mesh.
+fn apart(mut inner: Vec<Inner>, mesh: &TriMesh, job: &Job) -> Result<Vec<Inner>, RefineError> {
+    let held = mesh.positions.len();
+    let place = |n: usize| match n.checked_sub(held) {
+        None => mesh.positions.get(n),
+        Some(n) => inner[n].place,
+    };
+    let things = Things { count: held + inner.len(), place: |n| Some(place(n)) };
+    let mut lost = things.sharing(|n| n >= held, job)?.concat();
+    lost.sort_unstable();
+    let mut n = held..;
+    inner.retain(|_| n.next().is_none_or(|n| lost.binary_search(&n).is_err()));
+    Ok(inner)
 }
 
 /// Makes three triangles around each new vertex.

@@ -32,7 +32,7 @@ pub struct RefineOptions {
     pub subdivision: Subdivision,
     /// Whether vertices, old and new, are moved along their normals in the end, so that triangles lie as much
     /// outside of the field's surface as inside. Then no vertex is on the surface itself, and one whose triangles would
-    /// turn over stays where it was. Default: no.
+    /// turn over, or that would meet another, stays where it was. Default: no.
     pub balance: bool,
 }
 

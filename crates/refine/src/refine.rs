@@ -27,11 +27,11 @@ pub struct Refined {
     /// Vertices that are new.
     pub new_vertices: u64,
     /// New vertices that stayed in the middle of their edges, because the field has no surface near it along
-    /// its gradient, or because a triangle would have become flat or turned over. Those on caps along a
-    /// closed border, which is no surface of the field, are not among them.
+    /// its gradient, or because a triangle would have become flat or turned over, or two vertices met in one place. Those
+    /// on caps along a closed border, which is no surface of the field, are not among them.
     pub unprojected: u64,
     /// Edges that were to be divided and are not, each time counted, because a triangle would have become
-    /// flat even so.
+    /// flat, or two vertices met, even so.
     pub undivided: u64,
     /// With [`Subdivision::MaxError`], the greatest distance in world units by which a triangle may leave
     /// the surface, as far as the Hessian of the field tells at corners and middles of sides, over all
@@ -43,12 +43,15 @@ pub struct Refined {
     /// Vertices that balance moved along their normals.
     pub balanced: u64,
     /// Vertices that it did not, because there is no normal or the field has no value there, or because a
-    /// triangle would have become flat or turned over; those of caps are not among them.
+    /// triangle would have become flat or turned over, or two vertices met; those of caps are not among them.
     pub unbalanced: u64,
 }
 
 /// Brings a mesh nearer to the surface that it stands for. Its vertices should be on it, as
 /// `Placement::Cubic` puts them; where they are not, they stay, and their neighbours are better than they.
+///
+/// No triangle becomes flat and no vertex gets to where another one is, as positions are kept; where the mesh had such, it
+/// may keep them.
 ///
 /// Normals, if the mesh has some, are outward unit vectors of the surface, best those of `Gradient::Matching`. New
 /// vertices get those of the field, and balance moves all vertices along what they have; a mesh without normals is balanced along those of the

@@ -4,7 +4,12 @@
 //! is cut by as many of its sides as were chosen: into four, three or two, or it stays. So the mesh is
 //! conforming whichever edges are chosen, and any of them may be given up again.
 
-use crate::{RefineError, edges::Edges, ground::Ground, settle::settle};
+use crate::{
+    RefineError,
+    edges::Edges,
+    ground::Ground,
+    settle::{Rules, settle},
+};
 use isokit_geom::vector::{Vector, dot, normal, sub};
 use isokit_job::{CHUNK, Cancelled, Job};
 use isokit_lanes::exactly;
@@ -63,7 +68,8 @@ pub(crate) struct Split<'a> {
 }
 
 impl<'a> Split<'a> {
-    /// Cuts the edges that are `chosen`, as far as no triangle becomes flat or turns over.
+    /// Cuts the edges that are `chosen`, as far as no triangle becomes flat or turns over and no vertex gets to where
+    /// another one is.
     pub(crate) fn new(
         (mesh, edges): (&'a TriMesh, &'a Edges),
         ground: &Ground<'_>,
@@ -111,7 +117,17 @@ impl<'a> Split<'a> {
             chunks.enumerate().try_for_each(fill)
         })?;
         let split = Self { mesh, edges, outward, states: vec![], moved };
-        settle(&mut states, &edges.sides, |t, states| split.spoils(t, states), job)?;
+        let rules = Rules {
+            parts: &edges.sides,
+            is_bad: |t: usize, states: &[u8]| split.spoils(t, states),
+            count: edges.len() + mesh.positions.len(),
+            place: |n: usize, states: &[u8]| match states.get(n) {
+                Some(&WHOLE) => None,
+                Some(_) => Some(split.place(Corner::Edge(n as u32), states)),
+                None => Some(mesh.positions.get(n - states.len())),
+            },
+        };
+        settle(&mut states, &rules, job)?;
         Ok(Self { states, ..split })
     }
 

@@ -325,3 +325,42 @@ fn a_mesh_with_normals_asks_the_field_for_none_and_stays_where_they_are_none() {
         }
     }
 }
+
+/// A pointed solid, and its mirror image in the plane that its tip moves to.
+#[test]
+fn tips_that_would_meet_stay_and_all_else_moves() {
+    let zeros = volume([20; 3], |_| 0.0);
+    let field = Sampled::new(zeros.view());
+    let ground = Ground::new(Isosurface { field: &field, iso: 0.0 }, Precision::F64);
+    let corners: [Vector; 4] = [[8.0, 5.0, 5.0], [4.0, 3.0, 4.0], [4.0, 7.0, 4.0], [4.0, 5.0, 7.0]];
+    let solid = |turn: usize| {
+        [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]].map(|t: [u32; 3]| {
+            let corner = |k: usize| t[(k * (1 + turn)) % 3] + 4 * turn as u32;
+            [corner(0), corner(1), corner(2)]
+        })
+    };
+    let outward =
+        |sign: f32| [[sign, 0.0, 0.0], [-sign, 0.0, 0.0], [-sign, 0.0, 0.0], [-sign, 0.0, 0.0]];
+    let balanced = |corners: Vec<Vector>, signs: &[f32]| {
+        let triangles = (0..signs.len()).flat_map(solid).collect();
+        let normals = Some(signs.iter().flat_map(|&sign| outward(sign)).collect());
+        let positions = Positions::F64(corners);
+        let mut mesh = TriMesh { positions, normals, triangles, ..TriMesh::default() };
+        let counts = balance(&mut mesh, &ground, &Job::default()).unwrap();
+        (mesh.positions, counts)
+    };
+    let (alone, counts) = balanced(corners.into(), &[1.0]);
+    assert_eq!(counts, (4, 0));
+    let tip = alone.get(0)[0];
+    assert!(tip > 8.0);
+    let both = |plane: f64| {
+        let mirrored = corners.map(|[x, y, z]| [2.0 * plane - x, y, z]);
+        balanced([corners, mirrored].concat(), &[1.0, -1.0])
+    };
+    let (near, counts) = both(tip + 1e-9);
+    assert_eq!((near.get(0), counts), (alone.get(0), (8, 0)));
+    let (met, counts) = both(tip);
+    assert_eq!(counts, (6, 2));
+    assert_eq!((met.get(0), met.get(1)), (corners[0], alone.get(1)));
+    assert_eq!(met.get(4), [2.0 * tip - 8.0, 5.0, 5.0]);
+}
