@@ -35,7 +35,7 @@ impl Scan {
     /// The surface where the value is `iso`, of what all planes keep, closed where they cut.
     ///
     /// Vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample; with an
-    /// [index](Self::index) samples are looked at near the surface only, and of the planes only those near it.
+    /// [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at the most.
     ///
     /// # Errors
     ///

@@ -164,9 +164,9 @@ impl SlabScan {
         choice.find(self, job)
     }
 
-    /// Finds out where in the volume which values occur, as [`Scan::index`](crate::pipeline::Scan::index) does, with a pass
-    /// over all of the file if that is not kept beside it. Extractions then read rows of slices around the surfaces only,
-    /// where the file is not packed, and of a packed one they go past the others.
+    /// Finds out where in the volume which values occur, as [`Scan::index`](crate::pipeline::Scan::index) does: from the
+    /// file beside it, or else with a pass over all samples. Extractions then read only the rows of slices around the
+    /// surfaces; of a packed file what lies between them is unpacked, and not looked at.
     ///
     /// # Errors
     ///
