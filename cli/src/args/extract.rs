@@ -86,7 +86,7 @@ pub(crate) struct ExtractArgs {
     /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in coordinates of the output's world, and close the
     /// hole. Vertices are placed linearly. Repeat it for several planes
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, allow_hyphen_values = true)]
-    #[arg(conflicts_with_all = ["index", "max_memory", "refine", "max_error", "balance", "repeat"])]
+    #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
     #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
     pub(crate) clip: Vec<HalfSpace>,
     /// Axes of the world to write coordinates in
@@ -94,9 +94,10 @@ pub(crate) struct ExtractArgs {
     pub(crate) space: SpaceArg,
     #[command(flatten)]
     pub(crate) color: ColorArgs,
-    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Made
-    /// when it is first asked for or the volume has changed; the mesh does not depend on it
-    #[arg(long, conflicts_with_all = ["roi", "roi_mm", "max_memory", "quantity"], help_heading = "Speed")]
+    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface; with
+    /// --max-memory, do not even read it. Made when it is first asked for or the volume has changed, always of all
+    /// of the volume; the mesh does not depend on it
+    #[arg(long, conflicts_with = "quantity", help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
     /// the same. Not with --normals area, --refine, --max-error, --balance, --attribute or --texture, nor for -o - or NPY in Fortran order

@@ -46,7 +46,8 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     })?;
     scan.notes().iter().for_each(|note| session.console.note(note));
     if plan.index {
-        index(&mut scan, &mut timings, session)?;
+        let found = timed(&mut timings.index, || scan.index(&session.job))?;
+        tell_index(&found, session);
     }
     let isos = isos(plan, |choice, job| scan.iso(choice, job), session)?;
     let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
@@ -98,15 +99,13 @@ pub(super) fn tell_written(written: &Written, timings: &Timings, session: &Sessi
     ));
 }
 
-/// Gets the index and says where it is, if that is new.
-fn index(scan: &mut Scan, timings: &mut Timings, session: &Session<'_, '_>) -> Result<()> {
-    let found = timed(&mut timings.index, || scan.index(&session.job))?;
+/// Says where the index is, if that is new.
+pub(super) fn tell_index(found: &Index, session: &Session<'_, '_>) {
     match found {
         Index::Read(_) => session.console.detail(&found.to_string()),
         Index::Made { .. } => session.console.note(&found.to_string()),
         _ => session.console.warn(&found.to_string()),
     }
-    Ok(())
 }
 
 /// The isovalues that were meant. What was chosen for the user is told; names after it may turn out to be

@@ -1,6 +1,6 @@
 //! `extract --max-memory`: from a volume to a mesh, a few slices at a time.
 
-use super::extract::{isos, tell_singular};
+use super::extract::{isos, tell_index, tell_singular};
 use crate::{
     Session,
     fault::CallerError,
@@ -40,12 +40,18 @@ pub(super) fn extract(
     let (start, mut timings) = (Instant::now(), Timings::default());
     return_large_memory_when_freed();
     let is_told = plan.report.is_some() || session.console.is_verbose();
-    let scan = timed(&mut timings.read, || {
+    let mut scan = timed(&mut timings.read, || {
         SlabScan::open(&plan.input, &plan.volume, plan.space, &plan.region, &session.job)
     })?;
-    let scan = if is_told { scan.observed() } else { scan };
+    if is_told {
+        scan = scan.observed();
+    }
     scan.notes().iter().for_each(|note| session.console.note(note));
     let budget = budget(plan, limit, &scan, if is_told { GAUGED } else { WRITTEN })?;
+    if plan.index {
+        let found = timed(&mut timings.index, || scan.index(&session.job))?;
+        tell_index(&found, session);
+    }
     let isos =
         timed(&mut timings.read, || isos(plan, |choice, job| scan.iso(choice, job), session))?;
     let heads = heads(&plan.levels, &isos);
@@ -89,10 +95,14 @@ fn pass(
 
 /// What may be in memory at a time.
 fn budget(plan: &ExtractPlan, limit: u64, scan: &SlabScan, copies: u64) -> Result<Budget> {
-    let left = limit.saturating_sub(BASE);
+    let beside = match plan.index {
+        true => BASE.saturating_add(scan.index_bytes()),
+        false => BASE,
+    };
+    let left = limit.saturating_sub(beside);
     let budget = scan.budget(left, (plan.levels.len() as u64, copies), &plan.surface);
     Ok(budget.map_err(|over| {
-        let needed = over.needed.saturating_add(BASE).div_ceil(1 << 20);
+        let needed = over.needed.saturating_add(beside).div_ceil(1 << 20);
         let message = format!(
             "--max-memory is too little: the fewest slices at a time need {needed}MiB in all"
         );
@@ -170,7 +180,6 @@ fn report(
             shortfalls: None,
         };
     let statistics = scan.statistics(&session.job)?;
-    let samples_read = scan.part().iter().map(|range| range.len() as u64).product();
     let report = ExtractReport {
         schema: EXTRACT_SCHEMA,
         command: &session.command,
@@ -180,7 +189,7 @@ fn report(
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,
-        skipped: Skipped { samples_read, ..Skipped::default() }.into(),
+        skipped: found.first().map_or(Skipped::default(), |one| one.skipped).into(),
         timings_s,
         threads: session.job.threads.count(),
         simd: simd(),

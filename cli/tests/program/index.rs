@@ -88,11 +88,129 @@ fn an_index_that_cannot_be_kept_is_a_warning() {
     assert_eq!(mesh, plain(&folder, "0.5"));
 }
 
+/// A raw volume of [`SIZES`] samples with a ball in it, and the words that describe it.
+fn large(folder: &Folder) -> &'static str {
+    let samples = (0..SIZES.iter().product()).flat_map(|n: usize| {
+        let ijk = [n % SIZES[0], n / SIZES[0] % SIZES[1], n / SIZES[0] / SIZES[1]];
+        let away = ijk.iter().zip([150.0, 60.0, 90.0]).map(|(&i, c)| (i as f32 - c).powi(2));
+        (12.0 - away.sum::<f32>().sqrt()).to_le_bytes()
+    });
+    fs::write(folder.path("large.raw"), samples.collect::<Vec<u8>>()).unwrap();
+    "large.raw --dims 200,90,150 --dtype f32"
+}
+
+const SIZES: [usize; 3] = [200, 90, 150];
+
+/// The file of a command with an index and without, and what was skipped with it.
+#[track_caller]
+fn both(folder: &Folder, words: &str) -> Value {
+    let made = |more: &str| {
+        let ran = folder.run(&format!("extract {words} -o mesh.glb --report report.json {more}"));
+        assert_eq!(ran.exit, Exit::Done, "{words}: {}", ran.err);
+        let report = fs::read(folder.path("report.json")).unwrap();
+        let report: Value = serde_json::from_slice(&report).unwrap();
+        (fs::read(folder.path("mesh.glb")).unwrap(), report)
+    };
+    let (plain, told) = made("");
+    let (mesh, report) = made("--index");
+    assert!(mesh == plain, "{words}");
+    assert_eq!(report["surfaces"], told["surfaces"], "{words}");
+    assert_eq!(report["input"], told["input"], "{words}");
+    report["skipped"].clone()
+}
+
+/// How many of the samples that are told were read, of how many, in hundredths.
+fn share(skipped: &Value, of: usize) -> u64 {
+    100 * skipped["samples_read"].as_u64().unwrap() / of as u64
+}
+
 #[test]
-fn a_part_has_no_index() {
-    let folder = Folder::with_ball();
-    let ran = folder.run("extract ball.nii --iso 0.5 -o mesh.ply --index --roi :,:,:4");
-    assert_eq!(ran.exit, Exit::Usage, "{}", ran.err);
+fn of_a_part_the_index_is_that_of_the_whole_volume() {
+    let folder = Folder::new();
+    let volume = large(&folder);
+    both(&folder, &format!("{volume} --iso 0"));
+    let kept = fs::read(folder.path("large.raw.bricks")).unwrap();
+    for (part, samples, bricks) in [
+        ("--roi 3:,5:,10:", 197 * 85 * 140, 4 * 12 * 18),
+        ("--roi 64:,:,40:", 136 * 90 * 110, 3 * 12 * 14),
+        ("--roi-mm 10:,:,-9:149", 190 * 90 * 150, 3 * 12 * 19),
+    ] {
+        let skipped = both(&folder, &format!("{volume} --iso 0 --iso 2 {part}"));
+        assert_eq!(skipped["bricks"], bricks, "{part}");
+        assert!(share(&skipped, samples) < 20, "{part}: {skipped}");
+        assert!(skipped["bricks_skipped"].as_u64() > Some(bricks * 3 / 4), "{part}: {skipped}");
+    }
+    // Of a part that is full of the ball all samples are sooner looked at.
+    let full = both(&folder, &format!("{volume} --iso 0 --roi 140:160,50:70,80:100"));
+    assert_eq!((&full["bricks_skipped"], &full["samples_read"]), (&0.into(), &8000.into()));
+    assert_eq!(fs::read(folder.path("large.raw.bricks")).unwrap(), kept);
+}
+
+#[test]
+fn planes_look_at_the_samples_near_the_surface_only() {
+    let folder = Folder::new();
+    let volume = large(&folder);
+    for more in ["", "--roi 3:,5:,10:", "--clip 0,-1,0.5,10 --normals area --iso 3"] {
+        let skipped = both(&folder, &format!("{volume} --iso 0 --clip 1,0.5,-0.25,155 {more}"));
+        assert!(share(&skipped, SIZES.iter().product()) < 8, "{more}: {skipped}");
+        assert!(skipped["bricks_skipped"].as_u64() > Some(0), "{more}: {skipped}");
+    }
+    for part in ["--roi 140:160,50:70,80:100", "--roi 5:50,:,:"] {
+        both(&folder, &format!("{volume} --iso 0 --clip 1,0.5,-0.25,155 {part}"));
+    }
+}
+
+#[test]
+fn what_of_a_file_holds_no_surface_is_not_read() {
+    let folder = Folder::new();
+    let volume = large(&folder);
+    let one = both(&folder, &format!("{volume} --iso 0 --max-memory 64MiB"));
+    assert_eq!(one["bricks"], 4 * 12 * 19);
+    // The rows around the ball, of the slices around it.
+    assert!((3..25).contains(&share(&one, SIZES.iter().product())), "{one}");
+    let two = both(&folder, &format!("{volume} --iso 0 --iso -20 --max-memory 80MiB"));
+    assert!(two["samples_read"].as_u64() > one["samples_read"].as_u64(), "{two}");
+    let part = both(&folder, &format!("{volume} --iso 0 --max-memory 64MiB --roi 9:,50:,95:140"));
+    assert!(part["samples_read"].as_u64() < one["samples_read"].as_u64(), "{part}");
+    // A window of fewer slices.
+    let short = "--placement linear --topology table --max-memory 50MiB";
+    let short = both(&folder, &format!("{volume} --iso 0 {short}"));
+    assert_eq!(short, one);
+    let none = both(&folder, &format!("{volume} --iso 1e6 --boundary open --max-memory 64MiB"));
+    assert_eq!(none["samples_read"], 0);
+}
+
+#[test]
+fn an_index_that_slices_made_is_the_one_that_the_volume_in_memory_makes() {
+    let folder = Folder::new();
+    let volume = large(&folder);
+    let kept = |more: &str| {
+        folder.done(&format!("extract {volume} --iso 0 -o mesh.ply --index {more}"));
+        let bytes = fs::read(folder.path("large.raw.bricks")).unwrap();
+        fs::remove_file(folder.path("large.raw.bricks")).unwrap();
+        bytes
+    };
+    let whole = kept("");
+    for more in ["--max-memory 64MiB", "--max-memory 64MiB --roi 9:50,:,:", "--roi :,:,:5"] {
+        assert!(kept(more) == whole, "{more}");
+    }
+}
+
+#[test]
+fn an_index_counts_as_memory_and_is_not_made_in_vain() {
+    let folder = Folder::new();
+    // As many bricks as take 27 MiB, and nothing in the file.
+    fs::File::create(folder.path("vast.raw")).unwrap().set_len(4_000_000_000).unwrap();
+    let needed = |more: &str| {
+        let words = "extract vast.raw --dims 2000,2000,1000 --dtype u8 --iso 1 -o mesh.ply";
+        let ran = folder.run(&format!("{words} --max-memory 1MiB {more}"));
+        assert_eq!(ran.exit, Exit::Failed, "{}", ran.err);
+        let said = ran.err.split("need ").nth(1).and_then(|rest| rest.split("MiB").next());
+        said.unwrap().parse::<u64>().unwrap()
+    };
+    let more = needed("--index") - needed("");
+    assert!((26..=28).contains(&more), "{more} MiB");
+    assert_eq!(folder.names(), ["vast.raw"]);
 }
 
 #[test]

@@ -6,10 +6,11 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_job::{Job, Threads};
 use isokit_marching_cubes::{
-    Boundary, ExtractOptions, Placement, Topology, count, count_many, extract_into,
+    Boundary, Budget, ExtractOptions, Gradient, Placement, Slabs, Source, Topology, count,
+    count_many, extract_into, extract_many, extract_slabs,
 };
 use isokit_mesh::TriMesh;
-use isokit_volume::{Grid, Volume};
+use isokit_volume::{Bricks, Grid, Slices, Volume};
 use std::{f64::consts::PI, hint::black_box, num::NonZeroUsize};
 
 /// A ball that fills most of the cube: few cells hold the surface.
@@ -82,5 +83,69 @@ fn passes(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, passes);
+/// Samples along an axis where choices are compared.
+const N: usize = 128;
+
+/// Each choice alone against the plainest, into memory that was used before.
+fn choices(criterion: &mut Criterion) {
+    let one = Threads::new(NonZeroUsize::MIN).expect("a thread");
+    let job = Job { threads: one, ..Job::default() };
+    let plain = ExtractOptions::DEFAULT
+        .with_topology(Topology::Table)
+        .with_placement(Placement::Linear)
+        .with_boundary(Boundary::Open);
+    let quintic = plain.clone().with_placement(Placement::Quintic);
+    for (name, make) in [("sphere", sphere as fn(usize) -> _), ("gyroid", gyroid)] {
+        let mut group = criterion.benchmark_group(format!("{name}, choices"));
+        group.sample_size(10);
+        group.throughput(Throughput::Elements((N * N * N) as u64));
+        let volume = make(N);
+        let view = volume.view();
+        let mut kept = TriMesh::with_normals();
+        for (choice, options) in [
+            ("plain", plain.clone()),
+            ("closed", plain.clone().with_boundary(Boundary::Closed)),
+            ("trilinear", plain.clone().with_topology(Topology::Trilinear)),
+            ("cubic", plain.clone().with_placement(Placement::Cubic)),
+            ("quintic", quintic.clone()),
+            ("quintic, matching normals", quintic.clone().with_gradient(Gradient::Matching)),
+            ("defaults", ExtractOptions::DEFAULT),
+        ] {
+            group.bench_function(BenchmarkId::new(choice, N), |bencher| {
+                bencher.iter(|| {
+                    extract_into(black_box(&view), 0.0, &options, &mut kept.refill(), &job)
+                });
+            });
+        }
+        let slabs = Slabs {
+            isos: &[0.0],
+            options: &plain,
+            budget: Budget { window: 32, piece_bytes: u64::MAX },
+        };
+        group.bench_function(BenchmarkId::new("slabs", N), |bencher| {
+            bencher.iter(|| {
+                let mut source = Slices::new(black_box(view));
+                extract_slabs(&mut source, &slabs, &mut vec![kept.refill()], &job)
+            });
+        });
+        group.bench_function(BenchmarkId::new("bricks made", N), |bencher| {
+            bencher.iter(|| Bricks::of(black_box(&view), &job));
+        });
+        let bricks = Bricks::of(&view, &job).expect("bricks");
+        let source = Source::with_bricks(&view, &bricks).expect("its own bricks");
+        // Near the greatest value, where the surface is small.
+        let iso = if name == "sphere" { 0.3 * N as f64 } else { 1.49 };
+        for (how, source) in [("with bricks", source), ("without bricks", Source::from(&view))] {
+            group.bench_function(BenchmarkId::new(format!("little surface {how}"), N), |bencher| {
+                bencher.iter(|| {
+                    let sinks = &mut [kept.refill()];
+                    extract_many(black_box(source), &[iso], &plain, sinks, &job)
+                });
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, passes, choices);
 criterion_main!(benches);

@@ -7,16 +7,19 @@
 //! slice's number in the volume. Beyond the ends of a window that are no ends of the volume the lattice
 //! has guards like everywhere, but no slice that is made looks so far.
 //!
+//! Where a source knows bricks ([`SlabSource::bricks`]) it is asked for the rows around the surfaces only.
+//!
 //! An error of the data is found in the last slice as well as in the first. Then sinks have got a part of
 //! the surface, and the counts in the error are those of the whole volume all the same.
 
 mod budget;
+mod needed;
 mod window;
 
 pub use budget::Budget;
 
 use crate::{
-    ExtractError, ExtractOptions, Extracted, Nan, Skipped, SlabError, Source, Topology,
+    ExtractError, ExtractOptions, Extracted, Nan, SlabError, Source, Topology,
     extract::{on_threads, precision},
     fill::{Fill, Winding},
     layout::{Layout, Part},
@@ -44,7 +47,8 @@ pub struct Slabs<'a> {
 
 /// The surfaces where the value is one of several isovalues, from one pass over the slices of a volume.
 /// Each is handed to its sink in pieces, which together are the surface that
-/// [`extract_into`](crate::extract_into) hands over as one.
+/// [`extract_into`](crate::extract_into) hands over as one. What bricks of the source tell, where it has some, changes no
+/// byte; with NaN that the options mask or forbid they are left aside.
 ///
 /// # Errors
 ///
@@ -71,8 +75,10 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
         if window.nan.count > 0 {
             continue; // only to count them
         }
-        let view = window.view();
-        let mut planes = on_threads(job, || making.planes(&view))?;
+        let (view, bricks) = (window.view(), window.bricks());
+        let known = bricks.as_ref().and_then(|bricks| Source::with_bricks(&view, bricks));
+        let known = known.unwrap_or(Source::from(&view));
+        let mut planes = on_threads(job, || making.planes(&known))?;
         for (n, (surface, planes)) in surfaces.iter_mut().zip(&mut planes).enumerate() {
             let mut sink = sinks.sink(n);
             let held = window.held(planes.lattice);
@@ -83,7 +89,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
         return Err(ExtractError::Nan { count: window.nan.count, first }.into());
     }
     let (precision, margin) = making.precision;
-    let mut found = vec![];
+    let (skipped, mut found) = (window.skipped(), vec![]);
     for (n, surface) in surfaces.into_iter().enumerate() {
         let Surface { counts, singular_cells, is_begun, is_too_large, .. } = surface;
         if is_too_large {
@@ -93,7 +99,6 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
         if !is_begun {
             sinks.sink(n).piece(counts, precision).map_err(ExtractError::Sink)?;
         }
-        let skipped = Skipped { samples_read: grid.count(), ..Skipped::default() };
         found.push(Extracted { counts, precision, margin, singular_cells, skipped });
     }
     Ok(found)
@@ -150,12 +155,12 @@ impl Making<'_> {
     /// The planes of all isovalues. NaN that is an error was looked for already.
     fn planes<T: Sample, E: Send>(
         &self,
-        view: &View<'_, T>,
+        source: &Source<'_, T>,
     ) -> Result<Vec<Planes>, ExtractError<E>> {
         let Slabs { isos, options, .. } = self.slabs;
         let nan = if options.nan == Nan::Mask { Nan::Mask } else { Nan::Outside };
-        let lattice = Lattice::new(view.dims(), options.boundary);
-        Ok(Planes::classify(&Source::from(view), lattice, isos, nan, self.job)?.0)
+        let lattice = Lattice::new(source.view.dims(), options.boundary);
+        Ok(Planes::classify(source, lattice, isos, nan, self.job)?.0)
     }
 
     /// The part of a surface that belongs to the slices of a window.

@@ -43,7 +43,7 @@ pub struct Skipped {
     pub bricks: u64,
     /// Those of which no sample was compared.
     pub bricks_skipped: u64,
-    /// Samples that were compared.
+    /// Samples that were compared; by [`extract_slabs`](crate::extract_slabs), those that the source was asked for.
     pub samples_read: u64,
 }
 
@@ -156,7 +156,7 @@ impl Choice {
             let mut near: Vec<bool> = of_brick.iter().map(|&side| side == Side::Both).collect();
             if lattice.guard == 1 {
                 // Between samples inside and the guard lies a cap.
-                let capped = |n: usize| of_brick[n] == Side::Inside && is_at_border(&grid, n);
+                let capped = |n: usize| of_brick[n] == Side::Inside && grid.is_at_border(n);
                 near.iter_mut().enumerate().for_each(|(n, near)| *near |= capped(n));
             }
             visits.push(Visits::new(grid, lattice, &near));
@@ -173,12 +173,6 @@ impl Choice {
         let compared = Runs::new(grid, |n| is_compared[n], of_samples);
         Self { compared, full, visits, skipped }
     }
-}
-
-fn is_at_border(grid: &BrickGrid, n: usize) -> bool {
-    let [nx, ny, nz] = grid.counts();
-    let at = [n % nx, n / nx % ny, n / nx / ny];
-    at.iter().zip([nx, ny, nz]).any(|(&i, count)| i == 0 || i + 1 == count)
 }
 
 /// Sets what has a neighbour along an axis that is set.

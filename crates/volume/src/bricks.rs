@@ -9,6 +9,7 @@
 
 mod any;
 mod build;
+mod part;
 mod query;
 
 pub use any::AnyBricks;
@@ -16,12 +17,13 @@ pub use query::Sides;
 
 use crate::Sample;
 use isokit_lanes::Extent;
+use std::ops::{Range, RangeInclusive};
 
 /// The least and the greatest sample of every brick of a lattice, as stored: what samples mean may change.
 ///
 /// # Guarantees
 ///
-/// There is one extent for every brick.
+/// There is one extent for every brick, and no sample of a brick is beyond it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bricks<T> {
     grid: BrickGrid,
@@ -33,6 +35,8 @@ pub struct Bricks<T> {
 pub struct BrickGrid {
     dims: [usize; 3],
     counts: [usize; 3],
+    /// Cells of the first brick along each axis that lie before the lattice, which is a part of another.
+    before: [usize; 3],
 }
 
 impl BrickGrid {
@@ -41,8 +45,22 @@ impl BrickGrid {
 
     /// For a lattice of `dims` samples. Along an axis without a cell there is one brick.
     pub fn new(dims: [usize; 3]) -> Self {
-        let count = |axis: usize| dims[axis].saturating_sub(1).div_ceil(Self::CELLS[axis]).max(1);
-        Self { dims, counts: std::array::from_fn(count) }
+        Self::behind([0; 3], dims)
+    }
+
+    fn behind(before: [usize; 3], dims: [usize; 3]) -> Self {
+        let cells = |axis: usize| dims[axis].saturating_sub(1).saturating_add(before[axis]);
+        let count = |axis: usize| cells(axis).div_ceil(Self::CELLS[axis]).max(1);
+        Self { dims, counts: std::array::from_fn(count), before }
+    }
+
+    /// The bricks of a part of the lattice: along y and z the same, as far as they lie in it, along x new ones, that
+    /// begin with its first sample as words of bits do. `None` if the lattice does not have such a part.
+    pub fn part(&self, part: &[Range<usize>; 3]) -> Option<Self> {
+        let fits = |axis: usize| !part[axis].is_empty() && part[axis].end <= self.dims[axis];
+        let before = |axis: usize| (self.before[axis] + part[axis].start) % Self::CELLS[axis];
+        let dims = part.each_ref().map(Range::len);
+        (0..3).all(fits).then(|| Self::behind([0, before(1), before(2)], dims))
     }
 
     /// Samples of the lattice along x, y, z.
@@ -63,13 +81,20 @@ impl BrickGrid {
     /// The brick that has, along an axis, sample `i` and the one after it, if there is one.
     #[inline(always)]
     pub fn brick_of(&self, axis: usize, i: usize) -> usize {
-        (i / Self::CELLS[axis]).min(self.counts[axis] - 1)
+        ((i + self.before[axis]) / Self::CELLS[axis]).min(self.counts[axis] - 1)
     }
 
     /// The samples that a brick has along an axis.
-    pub fn samples(&self, axis: usize, brick: usize) -> std::ops::RangeInclusive<usize> {
-        let first = brick * Self::CELLS[axis];
-        first..=(first + Self::CELLS[axis]).min(self.dims[axis] - 1)
+    pub fn samples(&self, axis: usize, brick: usize) -> RangeInclusive<usize> {
+        let (first, before) = (brick * Self::CELLS[axis], self.before[axis]);
+        first.saturating_sub(before)..=(first + Self::CELLS[axis] - before).min(self.dims[axis] - 1)
+    }
+
+    /// Whether the brick of a number has a side at the border of the lattice.
+    pub fn is_at_border(&self, number: usize) -> bool {
+        let [nx, ny, nz] = self.counts;
+        let at = [number % nx, number / nx % ny, number / nx / ny];
+        at.iter().zip([nx, ny, nz]).any(|(&i, count)| i == 0 || i + 1 == count)
     }
 
     /// The number of a brick.

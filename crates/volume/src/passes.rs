@@ -60,7 +60,7 @@ impl Statistics {
     /// If the source fails, or the job is cancelled.
     pub fn of_slices<T: Sample, S: SlabSource<T>>(source: S, job: &Job) -> Result<Self, S::Error> {
         let mut source = Observed::new(source, job);
-        each_piece(&mut source, job, |_| Ok(()))?;
+        each_piece(&mut source, "scan", job, |_| Ok(()))?;
         Ok(source.statistics)
     }
 }
@@ -80,7 +80,7 @@ impl Histogram {
         let mut range = statistics.range;
         if statistics.infinite > 0 {
             range = None;
-            each_piece(&mut source()?, job, |view: View<'_, T>| {
+            each_piece(&mut source()?, "scan", job, |view: View<'_, T>| {
                 exactly(|| {
                     let more = finite_range(&view, statistics);
                     range = match (range, more) {
@@ -94,21 +94,22 @@ impl Histogram {
         let Some(range) = range else { return Ok(None) };
         let mut source = source()?;
         let mut histogram = exactly(|| Self::empty::<T>(range, source.scaling()));
-        each_piece(&mut source, job, |view| exactly(|| histogram.count(&view, job)))?;
+        each_piece(&mut source, "scan", job, |view| exactly(|| histogram.count(&view, job)))?;
         Ok(Some(histogram))
     }
 }
 
 /// Lets all slices pass by, some at a time.
-fn each_piece<T: Sample, S: SlabSource<T>>(
+pub(crate) fn each_piece<T: Sample, S: SlabSource<T>>(
     source: &mut S,
+    step: &'static str,
     job: &Job,
     mut look: impl FnMut(View<'_, T>) -> Result<(), Cancelled>,
 ) -> Result<(), S::Error> {
     let (slice, slices) = (source.grid().slice_count(), source.grid().dims()[2]);
     let at_once = (PIECE as u64 / size_of::<T>() as u64 / slice).clamp(1, slices);
     let mut samples: Vec<T> = job.limits.zeroed("slices", slice.checked_mul(at_once))?;
-    job.progress.begin("scan", slices);
+    job.progress.begin(step, slices);
     for first in (0..slices).step_by(at_once as usize) {
         job.check()?;
         let count = at_once.min(slices - first);

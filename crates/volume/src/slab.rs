@@ -1,8 +1,9 @@
 //! Samples handed over slice by slice, from memory, file or formula.
 
-use crate::{Grid, Sample, Scaling, View, Volume};
+use crate::{Bricks, Grid, Sample, Scaling, View, Volume};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::prefer_large_pages;
+use std::ops::Range;
 
 /// Gives the slices of a lattice, in z order, each once.
 pub trait SlabSource<T: Sample> {
@@ -17,6 +18,11 @@ pub trait SlabSource<T: Sample> {
         Scaling::IDENTITY
     }
 
+    /// What is known of the samples beforehand. Who uses it asks for the rows that it needs. Default: nothing.
+    fn bricks(&self) -> Option<&Bricks<T>> {
+        None
+    }
+
     /// Fills `slices` with the next whole slices, x fastest.
     ///
     /// The caller asks for as many slices as it likes at a time, and for no more than are left.
@@ -25,6 +31,16 @@ pub trait SlabSource<T: Sample> {
     ///
     /// If they cannot be had; what `slices` holds then is of no use.
     fn fill(&mut self, slices: &mut [T]) -> Result<(), Self::Error>;
+
+    /// Fills some rows of the next whole slice, perhaps none; what becomes of the others is left open. Default: all
+    /// are filled.
+    ///
+    /// # Errors
+    ///
+    /// As [`fill`](Self::fill).
+    fn fill_rows(&mut self, slice: &mut [T], _rows: Range<usize>) -> Result<(), Self::Error> {
+        self.fill(slice)
+    }
 }
 
 /// Samples that a source hands over between two looks at the cancel token.

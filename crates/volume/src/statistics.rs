@@ -1,8 +1,8 @@
 //! The least and greatest value, and what has no value.
 
-use crate::{Sample, View, ranks::Ranks};
+use crate::{Bricks, Sample, Scaling, View, ranks::Ranks};
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::exactly;
+use isokit_lanes::{Extent, exactly};
 use rayon::prelude::*;
 
 /// What one pass over the samples finds.
@@ -49,7 +49,7 @@ impl Statistics {
             let parts = (0..slices).into_par_iter().step_by(per_part).map(of_part);
             parts.collect::<Result<Vec<_>, Cancelled>>()
         })?;
-        Ok(exactly(|| Self::from_parts(parts, view)))
+        Ok(exactly(|| Self::from_parts(parts, view.scaling())))
     }
 
     /// Of all samples, counted one by one.
@@ -57,12 +57,23 @@ impl Statistics {
         let mut samples = ranks.occurring().map(|(sample, _)| sample);
         let least = samples.next();
         let greatest = samples.next_back().or(least);
-        Self::from_parts(vec![Part { least, greatest, ..Part::EMPTY }], view)
+        Self::from_parts::<T>(vec![Part { least, greatest, ..Part::EMPTY }], view.scaling())
     }
 
-    fn from_parts<T: Sample>(parts: Vec<Part<T>>, view: &View<'_, T>) -> Self {
+    /// Of all samples, if what is known of them tells: if none is NaN or infinite, which would have to be counted. The
+    /// bricks must be the volume's own, not those of a part, whose ends may be farther off.
+    pub fn of_bricks<T: Sample>(bricks: &Bricks<T>, scaling: Scaling) -> Option<Self> {
+        let all = exactly(|| bricks.extents().iter().copied().fold(Extent::EMPTY, Extent::with));
+        let [least, greatest] = all.range().filter(|_| !all.has_nan)?;
+        let is_finite = [least, greatest].iter().all(|end| end.to_f64().is_finite());
+        let part = Part { least: Some(least), greatest: Some(greatest), ..Part::EMPTY };
+        is_finite.then(|| exactly(|| Self::from_parts(vec![part], scaling)))
+    }
+
+    fn from_parts<T: Sample>(parts: Vec<Part<T>>, scaling: Scaling) -> Self {
         let whole = parts.into_iter().fold(Part::EMPTY, Part::with);
-        let value = |stored: Option<T>| stored.map(|s| view.scaling().value(s.to_f64()));
+        // Which zero of two is met first does not matter.
+        let value = |stored: Option<T>| stored.map(|s| scaling.value(s.to_f64()) + 0.0);
         let ends = value(whole.least).zip(value(whole.greatest));
         let range = ends.map(|(a, b)| if a <= b { [a, b] } else { [b, a] });
         let Part { nan, first_nan, infinite, .. } = whole;
@@ -146,14 +157,28 @@ impl<T: Sample> Part<T> {
 #[cfg(test)]
 mod tests {
     use super::Statistics;
-    use crate::{Grid, Sample, Scaling, Volume};
+    use crate::{Bricks, Grid, Sample, Scaling, Volume};
     use isokit_geom::Frame;
     use isokit_job::Job;
 
     fn of<T: Sample>(samples: Vec<T>, scaling: Scaling) -> Statistics {
         let grid = Grid::new([3, 2, samples.len() as u64 / 6], Frame::default()).unwrap();
         let volume = Volume::new(grid, samples).unwrap().with_scaling(scaling);
-        Statistics::of(&volume.view(), &Job::default()).unwrap()
+        let found = Statistics::of(&volume.view(), &Job::default()).unwrap();
+        let bricks = Bricks::of(&volume.view(), &Job::default()).unwrap();
+        let told = Statistics::of_bricks(&bricks, scaling);
+        let is_finite = found.nan == 0 && found.infinite == 0;
+        assert_eq!(told, is_finite.then_some(found));
+        found
+    }
+
+    #[test]
+    fn a_range_that_ends_at_a_zero_ends_at_the_same_zero_however_it_is_found() {
+        for zeros in [[0.0, -0.0], [-0.0, 0.0]] {
+            let samples: Vec<f64> = (0..12).map(|n| zeros[n % 2]).collect();
+            let range = of(samples, Scaling::IDENTITY).range.unwrap();
+            assert_eq!(range.map(f64::to_bits), [0; 2]);
+        }
     }
 
     #[test]

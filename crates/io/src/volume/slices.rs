@@ -12,7 +12,10 @@ use crate::{
 use isokit_job::Job;
 use isokit_lanes::prefer_large_pages;
 use isokit_volume::{Grid, Sample, Scaling, SlabSource};
-use std::io::{ErrorKind, Read};
+use std::{
+    io::{ErrorKind, Read},
+    ops::Range,
+};
 
 /// The slices of a volume in a file, or in several. [`VolumeFile::into_source`] makes it.
 ///
@@ -22,8 +25,10 @@ use std::io::{ErrorKind, Read};
 pub struct FileSlices<T> {
     file: VolumeFile,
     reader: Option<Bytes>,
-    /// Samples handed over so far.
+    /// Samples handed over so far, or gone past.
     done: u64,
+    /// Those of them that the reader has not gone past yet. It does when it is asked for more.
+    behind: u64,
     turned: Vec<T>,
 }
 
@@ -32,14 +37,24 @@ const PLANES: usize = 32;
 
 impl<T: Sample> FileSlices<T> {
     pub(super) fn new(file: VolumeFile) -> Self {
-        Self { file, reader: None, done: 0, turned: vec![] }
+        Self { file, reader: None, done: 0, behind: 0, turned: vec![] }
     }
 
     /// Goes past slices without looking at them; in a file that is not packed without reading them. There
     /// must be so many.
     pub fn skip(&mut self, slices: u64) {
-        self.done += slices * self.file.grid.slice_count();
-        self.reader = None;
+        self.pass(slices * self.file.grid.slice_count());
+    }
+
+    /// Goes past samples. Of a packed file that means to unpack them, but not those after the last that is read.
+    fn pass(&mut self, samples: u64) {
+        let per_file = self.file.stored.per_file;
+        let within = (self.file.first + self.done) % per_file;
+        self.done += samples;
+        self.behind += samples;
+        if within + samples >= per_file {
+            self.reader = None;
+        }
     }
 
     /// All samples of a file that has z fastest, x fastest.
@@ -74,8 +89,12 @@ impl<T: Sample> FileSlices<T> {
         while !into.is_empty() {
             let next = self.file.first + self.done;
             let (n, within) = (next / per_file, next % per_file);
+            let behind = std::mem::take(&mut self.behind);
             let mut reader = match self.reader.take() {
-                Some(reader) => reader,
+                Some(mut reader) => {
+                    self.skip_samples(&mut reader, n, behind)?;
+                    reader
+                }
                 None => self.open(n, within)?,
             };
             let count = (per_file - within).min(into.len() as u64);
@@ -97,15 +116,21 @@ impl<T: Sample> FileSlices<T> {
     fn open(&self, n: u64, within: u64) -> Result<Bytes, ReadError> {
         let stored = &self.file.stored;
         let mut reader = stored.open(n, &self.file.job)?;
+        self.skip_samples(&mut reader, n, within)?;
+        Ok(reader)
+    }
+
+    /// Goes on by so many samples in file `n`.
+    fn skip_samples(&self, reader: &mut Bytes, n: u64, samples: u64) -> Result<(), ReadError> {
+        let stored = &self.file.stored;
         let skipped = match stored.coding {
-            Coding::Text => skip_numbers(&mut reader, &self.file, within),
+            Coding::Text => skip_numbers(reader, &self.file, samples),
             _ => {
-                let bytes = stored.least_bytes(within);
+                let bytes = stored.least_bytes(samples);
                 reader.skip(bytes, stored.format, &self.file.job).map(drop)
             }
         };
-        skipped.map_err(|fault| fault.at(stored.files.path(n)))?;
-        Ok(reader)
+        skipped.map_err(|fault| fault.at(stored.files.path(n)))
     }
 
     fn read_part(&self, reader: &mut Bytes, before: u64, into: &mut [T]) -> Result<(), ReadFault> {
@@ -205,6 +230,19 @@ impl<T: Sample> SlabSource<T> for FileSlices<T> {
         let start = self.done as usize;
         slices.copy_from_slice(&self.turned[start..start + slices.len()]);
         self.done += slices.len() as u64;
+        Ok(())
+    }
+
+    fn fill_rows(&mut self, slice: &mut [T], rows: Range<usize>) -> Result<(), ReadError> {
+        if self.file.stored.order != Order::XFastest {
+            return self.fill(slice);
+        }
+        let nx = self.file.grid.dims()[0] as usize;
+        let own = nx * rows.start..nx * rows.end;
+        let after = (slice.len() - own.end) as u64;
+        self.pass(own.start as u64);
+        self.read(&mut slice[own])?;
+        self.pass(after);
         Ok(())
     }
 }

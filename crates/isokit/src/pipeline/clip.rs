@@ -6,16 +6,18 @@
 //! solid: where linear interpolation has the isovalue, or through a plane, whichever comes first. So the cut is flat, and
 //! only its rim is cut off within a cell.
 
-use crate::pipeline::{Normals, PipelineError, Scan, SurfaceOptions};
+use crate::pipeline::{Normals, PipelineError, Scan, SurfaceOptions, sparse_meshes_into};
 use isokit_field::{Sampled, ScalarField};
 use isokit_geom::{
     Affine, HalfSpace,
     vector::{Vector, dot, length},
 };
 use isokit_job::Job;
+use isokit_lanes::Extent;
 use isokit_marching_cubes::{Extracted, Placement};
 use isokit_mesh::{Positions, TriMesh, area_normals};
-use isokit_volume::{Grid, Sample, View, Volume, for_any};
+use isokit_volume::{Bricks, Grid, Points, Sample, SampleSource, View, Volume, for_any};
+use std::{borrow::Cow, ops::Range};
 
 /// A plane as the lattice sees it.
 struct Cut {
@@ -32,7 +34,8 @@ const NEAR: f64 = 1e-3;
 impl Scan {
     /// The surface where the value is `iso`, of what all planes keep, closed where they cut.
     ///
-    /// Vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample.
+    /// Vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample; with an
+    /// [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at the most.
     ///
     /// # Errors
     ///
@@ -45,16 +48,23 @@ impl Scan {
         job: &Job,
     ) -> Result<(TriMesh, Extracted), PipelineError> {
         let range = self.statistics(job)?.range.unwrap_or([iso, iso]);
-        let made = for_any!(self.volume(), volume => {
-            let view = self.view(volume);
-            let cuts = cuts(&view.frame().index_to_world, planes);
-            (of_view(&view, iso, (&cuts, range), job)?, cuts)
-        });
-        let (samples, cuts) = made;
         let linear = options.extract.clone().with_placement(Placement::Linear);
         let options = options.clone().with_extract(linear);
         let mut meshes = [TriMesh::default()];
-        let extracted = Self::new(samples).meshes_into(&[iso], &options, &mut meshes, job)?;
+        let (extracted, cuts) = for_any!(self.volume(), volume => {
+            let view = self.view(volume);
+            let cuts = cuts(&view.frame().index_to_world, planes);
+            let known = self.known(volume, &self.part(), &[iso]);
+            let clipped = Clipped { view, iso, steep: steep(&view, range), cuts: &cuts, known };
+            let extracted = match &clipped.known {
+                Some(_) => sparse_meshes_into(&clipped, &[iso], &options, &mut meshes, job)?,
+                None => {
+                    let all = Self::new(clipped.all(job)?);
+                    all.meshes_into(&[iso], &options, &mut meshes, job)?
+                }
+            };
+            (extracted, cuts)
+        });
         let [mut mesh] = meshes;
         for_any!(self.volume(), volume => settle(&mut mesh, &self.view(volume), iso, &cuts));
         if options.normals == Normals::Area {
@@ -75,32 +85,85 @@ fn cuts(affine: &Affine, planes: &[HalfSpace]) -> Vec<Cut> {
     planes.iter().map(cut).collect()
 }
 
-/// The values, and what is less than the isovalue beyond the planes.
-fn of_view<T: Sample>(
-    view: &View<'_, T>,
-    iso: f64,
-    (cuts, [least, greatest]): (&[Cut], [f64; 2]),
-    job: &Job,
-) -> Result<Volume<f64>, PipelineError> {
-    let [nx, ny, nz] = view.dims();
-    let grid = Grid::new([nx, ny, nz].map(|n| n as u64), *view.frame())
-        .expect("the dimensions are those of a volume");
-    let mut samples: Vec<f64> = job.limits.vec("samples that planes cut", Some(grid.count()))?;
-    // How fast what falls does: about as values do.
+/// How fast what is beyond a plane falls: about as values do.
+fn steep<T: Sample>(view: &View<'_, T>, [least, greatest]: [f64; 2]) -> f64 {
     let spacing = view.frame().index_to_world.spacing().into_iter().fold(0.0, f64::max);
-    let steep = (0.25 * (greatest - least) / spacing).clamp(f64::MIN_POSITIVE, f64::MAX);
-    for k in 0..nz {
-        job.check()?;
-        for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
-            let beyond = cuts.iter().map(|cut| cut.beyond([i, j, k].map(|n| n as f64)));
-            let beyond = beyond.fold(f64::NEG_INFINITY, f64::max);
-            samples.push(match beyond > 0.0 {
-                true => (iso - steep * beyond).min(iso.next_down()),
-                false => view.value([i, j, k]),
-            });
+    (0.25 * (greatest - least) / spacing).clamp(f64::MIN_POSITIVE, f64::MAX)
+}
+
+/// The values, and what is less than the isovalue beyond the planes.
+struct Clipped<'a, T: Sample> {
+    view: View<'a, T>,
+    iso: f64,
+    steep: f64,
+    cuts: &'a [Cut],
+    known: Option<Cow<'a, Bricks<T>>>,
+}
+
+impl<T: Sample> Clipped<'_, T> {
+    /// All of them.
+    fn all(&self, job: &Job) -> Result<Volume<f64>, PipelineError> {
+        let [nx, ny, nz] = self.view.dims();
+        let grid = self.grid();
+        let mut samples: Vec<f64> =
+            job.limits.zeroed("samples that planes cut", Some(grid.count()))?;
+        for (slice, k) in samples.chunks_exact_mut(nx * ny).zip(0..nz) {
+            job.check()?;
+            self.fill(&[0..nx, 0..ny, k..k + 1], slice);
+        }
+        Ok(Volume::new(grid, samples).expect("a sample for each lattice point"))
+    }
+
+    fn sample(&self, ijk: [usize; 3]) -> f64 {
+        let beyond = self.beyond(|cut| cut.beyond(ijk.map(|n| n as f64)));
+        match beyond > 0.0 {
+            true => (self.iso - self.steep * beyond).min(self.iso.next_down()),
+            false => self.view.value(ijk),
         }
     }
-    Ok(Volume::new(grid, samples).expect("a sample for each lattice point"))
+
+    /// The greatest of what is told of the planes.
+    fn beyond(&self, of: impl Fn(&Cut) -> f64) -> f64 {
+        self.cuts.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl<T: Sample> SampleSource<f64> for Clipped<'_, T> {
+    fn grid(&self) -> Grid {
+        self.view.grid()
+    }
+
+    fn extent(&self, points: &Points) -> Option<Extent<f64>> {
+        let stored = self.known.as_ref()?.extent(points);
+        let ends =
+            stored.range().map(|ends| ends.map(|end| self.view.scaling().value(end.to_f64())));
+        let kept = ends.map_or(Extent::EMPTY, |[a, b]| Extent {
+            least: a.min(b),
+            greatest: a.max(b),
+            has_nan: false,
+        });
+        let kept = Extent { has_nan: stored.has_nan, ..kept };
+        let cut =
+            Extent { least: f64::NEG_INFINITY, greatest: self.iso.next_down(), has_nan: false };
+        // Rounding keeps order, so no sample of the box is nearer or farther than its corners are.
+        let [nearest, farthest] = [Cut::nearest, Cut::farthest]
+            .map(|corner| self.beyond(|cut| cut.beyond(corner(cut, points))));
+        Some(match () {
+            () if nearest > 0.0 => cut,
+            () if farthest > 0.0 => kept.with(cut),
+            () => kept,
+        })
+    }
+
+    fn fill(&self, [x, y, z]: &Points, samples: &mut [f64]) {
+        assert_eq!(samples.len(), x.len() * y.len() * z.len(), "one for each point");
+        let rows = z.clone().flat_map(|k| y.clone().map(move |j| (j, k)));
+        for (row, (j, k)) in samples.chunks_exact_mut(x.len().max(1)).zip(rows) {
+            for (sample, i) in row.iter_mut().zip(x.clone()) {
+                *sample = self.sample([i, j, k]);
+            }
+        }
+    }
 }
 
 /// Moves vertices along their edges to where these leave the solid; on a cut they get the plane's normal, elsewhere that
@@ -181,6 +244,24 @@ impl Cut {
     /// How far beyond the plane a place of index space is, in world units.
     fn beyond(&self, ijk: Vector) -> f64 {
         self.first + dot(self.step, ijk)
+    }
+
+    /// The corner of a box that is least beyond the plane.
+    fn nearest(&self, points: &Points) -> Vector {
+        self.corner(points, |step| step < 0.0)
+    }
+
+    /// The one that is most beyond it.
+    fn farthest(&self, points: &Points) -> Vector {
+        self.corner(points, |step| step > 0.0)
+    }
+
+    fn corner(&self, points: &Points, is_last: impl Fn(f64) -> bool) -> Vector {
+        let end = |axis: usize| {
+            let Range { start, end } = points[axis];
+            if is_last(self.step[axis]) { end - 1 } else { start }
+        };
+        [0, 1, 2].map(|axis| end(axis) as f64)
     }
 }
 

@@ -1,9 +1,11 @@
 //! The index of a volume: made once, kept beside the file.
 
 use isokit_io::{BrickFile, NoBricks};
-use isokit_job::{Job, Stopped};
-use isokit_volume::{AnyBricks, Bricks, Sample, Volume};
-use std::{fmt, path::PathBuf};
+use isokit_volume::{AnyBricks, BrickGrid, Bricks, Sample, Scaling, Statistics, View};
+use std::{borrow::Cow, fmt, ops::Range, path::PathBuf};
+
+/// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of `scripts/bench`.
+const MOST_ACTIVE: f64 = 1.0 / 16.0;
 
 /// Where an index is from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,12 +40,10 @@ impl fmt::Display for Index {
 }
 
 /// The bricks of a volume, from the file or else from the samples.
-pub(super) fn of<T: Sample>(
-    volume: &Volume<T>,
+pub(super) fn of<T: Sample, E>(
     file: Option<&BrickFile>,
-    job: &Job,
-) -> Result<(AnyBricks, Index), Stopped> {
-    let make = || Bricks::of(&volume.view(), job);
+    make: impl FnOnce() -> Result<Bricks<T>, E>,
+) -> Result<(AnyBricks, Index), E> {
     let Some(file) = file else { return Ok((make()?.into(), Index::NotKept(None))) };
     let path = file.path().to_owned();
     let why = match file.read::<T>() {
@@ -57,4 +57,34 @@ pub(super) fn of<T: Sample>(
         Err(error) => Index::NotKept(Some(error.to_string())),
     };
     Ok((bricks.into(), index))
+}
+
+/// What an index of the whole volume tells of a part.
+pub(super) fn of_part<'a, T: Sample>(
+    bricks: &'a AnyBricks,
+    part: &[Range<usize>; 3],
+) -> Option<Cow<'a, Bricks<T>>> {
+    let whole = bricks.of::<T>()?;
+    match whole.grid().dims() == part.each_ref().map(|range| range.len()) {
+        true => Some(Cow::Borrowed(whole)),
+        false => whole.part(part).map(Cow::Owned),
+    }
+}
+
+/// Whether surfaces of samples that are in memory are sooner made with it.
+pub(super) fn is_worth_it<T: Sample>(bricks: &Bricks<T>, scaling: Scaling, isos: &[f64]) -> bool {
+    let each: Vec<_> = isos.iter().map(|&iso| scaling.threshold(iso)).collect();
+    bricks.active_share(&each) <= MOST_ACTIVE
+}
+
+/// Range and NaN, if an index tells them and `view` is of all of its samples.
+pub(super) fn statistics<T: Sample>(bricks: &AnyBricks, view: &View<'_, T>) -> Option<Statistics> {
+    let whole = bricks.of::<T>().filter(|bricks| bricks.grid().dims() == view.dims())?;
+    Statistics::of_bricks(whole, view.scaling())
+}
+
+/// How many bricks a part of a volume has.
+pub(super) fn bricks_of_part(dims: [u64; 3], part: &[Range<usize>; 3]) -> u64 {
+    let whole = BrickGrid::new(dims.map(|n| usize::try_from(n).unwrap_or(usize::MAX)));
+    whole.part(part).and_then(|grid| grid.count()).unwrap_or(0)
 }

@@ -12,10 +12,7 @@ use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{
     AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any, halved,
 };
-use std::{ops::Range, path::Path, slice, sync::OnceLock};
-
-/// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of `scripts/bench`.
-const MOST_ACTIVE: f64 = 1.0 / 16.0;
+use std::{borrow::Cow, ops::Range, path::Path, slice, sync::OnceLock};
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
 #[derive(Clone, Debug)]
@@ -28,6 +25,7 @@ pub struct Scan {
     notes: Vec<String>,
     /// Where an index of the whole volume is kept.
     index_file: Option<BrickFile>,
+    /// Of the whole volume.
     bricks: Option<AnyBricks>,
     part_bricks: OnceLock<AnyBricks>,
     statistics: OnceLock<Statistics>,
@@ -108,7 +106,6 @@ impl Scan {
         let part = part.map(|range| range.start as usize..range.end as usize);
         Ok(Self {
             part,
-            bricks: None,
             part_bricks: OnceLock::new(),
             statistics: OnceLock::new(),
             histogram: OnceLock::new(),
@@ -190,7 +187,11 @@ impl Scan {
         if let Some(known) = self.statistics.get() {
             return Ok(*known);
         }
-        let found = for_any!(&self.volume, volume => Statistics::of(&self.view(volume), job))?;
+        let found = for_any!(&self.volume, volume => {
+            let view = self.view(volume);
+            let told = self.bricks.as_ref().and_then(|bricks| index::statistics(bricks, &view));
+            told.map_or_else(|| Statistics::of(&view, job), Ok)
+        })?;
         Ok(*self.statistics.get_or_init(|| found))
     }
 
@@ -237,16 +238,15 @@ impl Scan {
 
     /// Finds out where in the volume which values occur, so that surfaces are made sooner: the same, byte
     /// for byte. Of a scan from a file that is kept in a file beside it, and read from there where it is
-    /// of the volume as it is.
-    ///
-    /// A part of a scan makes no use of it.
+    /// of the volume as it is. It is of all of the volume, whatever part is looked at now or later.
     ///
     /// # Errors
     ///
     /// If the job is cancelled or allows less memory. That nothing could be kept is no error.
     pub fn index(&mut self, job: &Job) -> Result<Index, PipelineError> {
-        let (bricks, found) =
-            for_any!(&self.volume, volume => index::of(volume, self.index_file.as_ref(), job))?;
+        let (bricks, found) = for_any!(&self.volume, volume => {
+            index::of(self.index_file.as_ref(), || Bricks::of(&volume.view(), job))
+        })?;
         self.bricks = Some(bricks);
         Ok(found)
     }
@@ -285,7 +285,7 @@ impl Scan {
 
     /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
     /// of a used mesh. What comes back says too what an index told not to do; an index by which the
-    /// surfaces go through more than a sixteenth of the volume is left aside, for then to ask it takes longer.
+    /// surfaces go through more than a sixteenth of the part is left aside, for then to ask it takes longer.
     ///
     /// # Errors
     ///
@@ -321,16 +321,22 @@ impl Scan {
         }
         let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let extracted = for_any!(&self.volume, volume => {
-            extract_many(self.source(volume, part, isos), isos, &options.extract, &mut sinks, job)
+            let view = part_of(volume, part);
+            let known = self.known(volume, part, isos);
+            let source = known.as_deref().and_then(|bricks| Source::with_bricks(&view, bricks));
+            let source = source.unwrap_or(Source::from(&view));
+            extract_many(source, isos, &options.extract, &mut sinks, job)
         });
         let mut extracted = extracted.map_err(|error| in_whole(error, part))?;
         drop(sinks);
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
         }
-        // Of an index that was left aside no brick is skipped.
-        let bricks = self.bricks.as_ref().map_or(0, AnyBricks::count);
-        extracted.iter_mut().for_each(|one| one.skipped.bricks = bricks);
+        if self.bricks.is_some() {
+            // Of an index that was left aside no brick is skipped.
+            let bricks = index::bricks_of_part(self.volume.grid().dims(), part);
+            extracted.iter_mut().for_each(|one| one.skipped.bricks = bricks);
+        }
         Ok(extracted)
     }
 
@@ -356,23 +362,19 @@ impl Scan {
         (for_any!(&self.volume, volume => self.view(volume).grid().bounds()), self.frame().space)
     }
 
-    pub(crate) fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
-        part_of(volume, &self.part)
-    }
-
-    /// The samples of a part, with bricks if they are of all of it and worth it.
-    fn source<'a, T: Sample>(
+    /// What an index tells of a part, where surfaces are sooner made with it.
+    pub(super) fn known<'a, T: Sample>(
         &'a self,
-        volume: &'a Volume<T>,
+        volume: &Volume<T>,
         part: &[Range<usize>; 3],
         isos: &[f64],
-    ) -> Source<'a, T> {
-        let (view, bricks) = (part_of(volume, part), self.bricks.as_ref().and_then(AnyBricks::of));
-        let each: Vec<_> = isos.iter().map(|&iso| view.scaling().threshold(iso)).collect();
-        let is_worth_it = |bricks: &&Bricks<T>| bricks.active_share(&each) <= MOST_ACTIVE;
-        let bricks = bricks.filter(is_worth_it);
-        let known = bricks.and_then(|bricks| Source::with_bricks(&view, bricks));
-        known.unwrap_or(Source::from(&view))
+    ) -> Option<Cow<'a, Bricks<T>>> {
+        let known = index::of_part(self.bricks.as_ref()?, part)?;
+        index::is_worth_it(&known, volume.scaling(), isos).then_some(known)
+    }
+
+    pub(crate) fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
+        part_of(volume, &self.part)
     }
 }
 

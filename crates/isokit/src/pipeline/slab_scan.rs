@@ -3,8 +3,8 @@
 mod part;
 
 use crate::pipeline::{
-    IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
-    error::in_whole, iso::Facts,
+    Index, IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
+    error::in_whole, index, iso::Facts,
 };
 use isokit_geom::Frame;
 use isokit_io::{
@@ -13,9 +13,12 @@ use isokit_io::{
 use isokit_job::{Job, OverLimit};
 use isokit_marching_cubes::{Budget, ExtractError, Extracted, SlabError, Slabs, extract_slabs};
 use isokit_mesh::{Counts, MeshSinks};
-use isokit_volume::{Dtype, Grid, Histogram, Observed, Sample, Scaling, Statistics, for_dtype};
+use isokit_volume::{
+    AnyBricks, BrickGrid, Bricks, Dtype, Grid, Histogram, Observed, Sample, Scaling, Statistics,
+    for_dtype,
+};
 use part::PartSlices;
-use std::{ops::Range, path::Path, sync::OnceLock};
+use std::{borrow::Cow, ops::Range, path::Path, sync::OnceLock};
 
 /// A [`Scan`](crate::pipeline::Scan) that stays in its file: each look at the samples reads them again.
 /// Meshes are the same.
@@ -27,6 +30,8 @@ pub struct SlabScan {
     part: [Range<usize>; 3],
     /// Whether extractions look for range and NaN by the way.
     is_observed: bool,
+    /// Of the whole lattice.
+    bricks: Option<AnyBricks>,
     statistics: OnceLock<Statistics>,
     histogram: OnceLock<Option<Histogram>>,
 }
@@ -60,10 +65,11 @@ impl SlabScan {
         let part = region.samples(&whole)?;
         let part = part.map(|range| range.start as usize..range.end as usize);
         let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { file, whole, part, is_observed: false, statistics, histogram })
+        Ok(Self { file, whole, part, is_observed: false, bricks: None, statistics, histogram })
     }
 
-    /// The same scan, with range and NaN looked for by the way in the next extraction.
+    /// The same scan, with range and NaN looked for by the way in the next extraction, unless an [index](Self::index) tells
+    /// it what not to read.
     pub fn observed(self) -> Self {
         Self { is_observed: true, ..self }
     }
@@ -123,6 +129,10 @@ impl SlabScan {
         if let Some(known) = self.statistics.get() {
             return Ok(*known);
         }
+        let told = for_dtype!(self.dtype(), T => self.told::<T>());
+        if let Some(told) = told {
+            return Ok(*self.statistics.get_or_init(|| told));
+        }
         let found = for_dtype!(self.dtype(), T => {
             Statistics::of_slices(self.source::<T>(job)?, job)
         })?;
@@ -154,8 +164,36 @@ impl SlabScan {
         choice.find(self, job)
     }
 
+    /// Finds out where in the volume which values occur, as [`Scan::index`](crate::pipeline::Scan::index) does: from the
+    /// file beside it, or else with a pass over all samples. Extractions then read only the rows of slices around the
+    /// surfaces; of a packed file what lies between them is unpacked, and not looked at.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or the job is cancelled or allows less memory. That nothing could be kept is
+    /// no error.
+    pub fn index(&mut self, job: &Job) -> Result<Index, PipelineError> {
+        let kept = self.file.bricks().ok();
+        let (bricks, found) = for_dtype!(self.dtype(), T => index::of(kept.as_ref(), || {
+            Bricks::of_slices(self.file.clone().with_job(job).into_source::<T>()?, job)
+        }))?;
+        self.bricks = Some(bricks);
+        Ok(found)
+    }
+
+    /// Bytes that an index and its use take at the most.
+    pub fn index_bytes(&self) -> u64 {
+        // Least, greatest and NaN: of the whole, of the part, of slices, and while they come from a file.
+        let per_brick = 12 * self.dtype().bytes() as u64 + 16;
+        let dims = self.whole.dims().map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+        BrickGrid::new(dims)
+            .count()
+            .and_then(|count| count.checked_mul(per_brick))
+            .unwrap_or(u64::MAX)
+    }
+
     /// What of an extraction is in memory at a time, for so many bytes in all, where the sinks take
-    /// `pieces` times the bytes of a piece.
+    /// `pieces` times the bytes of a piece. What an [index](Self::index_bytes) takes comes on top of that.
     ///
     /// # Errors
     ///
@@ -200,8 +238,10 @@ impl SlabScan {
     {
         let slabs = Slabs { isos, options: &options.extract, budget };
         let found = for_dtype!(self.dtype(), T => {
-            let mut source = self.source::<T>(job)?;
-            if self.is_observed && self.statistics.get().is_none() {
+            let known = self.bricks.as_ref().and_then(|bricks| index::of_part(bricks, &self.part));
+            let known = known.map(Cow::into_owned);
+            let mut source = self.source::<T>(job)?.with_bricks(known);
+            if self.bricks.is_none() && self.is_observed && self.statistics.get().is_none() {
                 let mut source = Observed::new(source, job);
                 let found = extract_slabs(&mut source, &slabs, sinks, job);
                 if found.is_ok() {
@@ -212,7 +252,19 @@ impl SlabScan {
                 extract_slabs(&mut source, &slabs, sinks, job)
             }
         });
-        found.map_err(|error| self.of_slabs(error))
+        let mut found = found.map_err(|error| self.of_slabs(error))?;
+        if self.bricks.is_some() {
+            // Of an index that was left aside no brick is skipped.
+            let bricks = index::bricks_of_part(self.whole.dims(), &self.part);
+            found.iter_mut().for_each(|one| one.skipped.bricks = bricks);
+        }
+        Ok(found)
+    }
+
+    /// Range and NaN, if an index tells them.
+    fn told<T: Sample>(&self) -> Option<Statistics> {
+        let bricks = self.bricks.as_ref().filter(|_| !self.is_cropped())?;
+        Statistics::of_bricks(bricks.of::<T>()?, self.scaling())
     }
 
     fn of_slabs<E: Into<PipelineError>>(&self, error: SlabError<ReadError, E>) -> PipelineError {

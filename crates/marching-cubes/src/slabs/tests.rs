@@ -1,9 +1,11 @@
 //! The pieces joined against the surface in memory, bit by bit.
 
+mod bricks;
+
 use super::{Budget, Making, Slabs, Surface, Window, extract_slabs, precision};
 use crate::{
     Boundary, Degenerate, ExtractError, ExtractOptions, Extracted, Gradient, Nan, Placement,
-    SlabError, Topology, extract, extract_into,
+    SlabError, Source, Topology, extract, extract_into,
 };
 use isokit_geom::{Affine, Frame};
 use isokit_job::{Job, Stopped};
@@ -203,7 +205,7 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     while !window.is_last() {
         window.advance(source, &job).unwrap();
         windows += 1;
-        let mut planes = making.planes::<u8, Infallible>(&window.view()).unwrap();
+        let mut planes = making.planes::<u8, Infallible>(&Source::from(&window.view())).unwrap();
         let held = window.held(planes[0].lattice);
         making.part(&held, &mut planes[0], &mut surface, &mut mesh.refill()).unwrap();
     }

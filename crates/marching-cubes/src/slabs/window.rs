@@ -1,10 +1,10 @@
 //! The slices of a volume that are in memory.
 
-use super::{Held, Slabs};
-use crate::{Placement, found::Found, planes::Lattice};
+use super::{Held, Slabs, needed::Needed};
+use crate::{Placement, Skipped, found::Found, planes::Lattice};
 use isokit_job::{Cancelled, Job, OverLimit};
 use isokit_lanes::{has_nan, nans, words};
-use isokit_volume::{Grid, Sample, Scaling, SlabSource, View};
+use isokit_volume::{Bricks, Grid, Sample, Scaling, SlabSource, View};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -21,6 +21,10 @@ pub(super) struct Window<T> {
     new: Range<u64>,
     /// What says how many slices below and above a slice its surface looks at.
     placement: Placement,
+    /// What is looked at, where that is not all.
+    needed: Option<Needed<T>>,
+    /// Samples that the source was asked for.
+    samples_read: u64,
     /// NaN samples met so far, where somebody looked.
     pub(super) nan: Found,
 }
@@ -43,7 +47,8 @@ impl<T: Sample> Window<T> {
         let samples = job.limits.zeroed("window of slices", count)?;
         let slice = grid.slice_count() as usize;
         let (held, new, nan) = (0..0, 0..0, Found::default());
-        Ok(Self { grid, scaling, samples, slice, held, new, placement, nan })
+        let (needed, samples_read) = (Needed::new(source, slabs), 0);
+        Ok(Self { grid, scaling, samples, slice, held, new, placement, needed, samples_read, nan })
     }
 
     /// Whether the last slice is held.
@@ -66,9 +71,29 @@ impl<T: Sample> Window<T> {
         let room = ((self.samples.len() - filled) / self.slice) as u64;
         let more = room.min(self.grid.dims()[2] - self.held.end);
         let empty = filled..filled + more as usize * self.slice;
-        for slices in self.samples[empty].chunks_mut((PIECE / self.slice).max(1) * self.slice) {
-            job.check()?;
-            source.fill(slices)?;
+        let nx = self.grid.dims()[0];
+        match &self.needed {
+            None => {
+                let pieces = (PIECE / self.slice).max(1) * self.slice;
+                for slices in self.samples[empty].chunks_mut(pieces) {
+                    job.check()?;
+                    source.fill(slices)?;
+                    self.samples_read += slices.len() as u64;
+                }
+            }
+            Some(needed) => {
+                let slices = self.samples[empty].chunks_exact_mut(self.slice);
+                for (slice, k) in slices.zip(self.held.end..) {
+                    job.check()?;
+                    let rows = needed.rows(k);
+                    self.samples_read += nx * rows.len() as u64;
+                    if cfg!(test) {
+                        // What nobody looks at may be anything.
+                        slice.fill(T::at_rank(k * 31 % T::LAST_RANK));
+                    }
+                    source.fill_rows(slice, rows)?;
+                }
+            }
         }
         self.new = self.held.end..self.held.end + more;
         self.held = first..self.new.end;
@@ -83,6 +108,17 @@ impl<T: Sample> Window<T> {
     /// All slices that are held, and which of them are to be made.
     pub(super) fn held(&self, lattice: Lattice) -> Held<'_, T> {
         Held { view: self.view(), first: self.held.start, own: self.own(lattice) }
+    }
+
+    /// What is known of the slices that are held.
+    pub(super) fn bricks(&self) -> Option<Bricks<T>> {
+        self.needed.as_ref()?.slices(&self.held)
+    }
+
+    /// What was not done so far.
+    pub(super) fn skipped(&self) -> Skipped {
+        let all = Skipped { samples_read: self.samples_read, ..Skipped::default() };
+        self.needed.as_ref().map_or(all, |needed| needed.skipped(self.samples_read))
     }
 
     /// All slices that are held, in the frame of the volume.
@@ -105,9 +141,9 @@ impl<T: Sample> Window<T> {
         start..lattice.points[2] - looked_at
     }
 
-    /// Counts the NaN samples among the slices that have just come.
+    /// Counts the NaN samples among the slices that have just come; where bricks tell that there are none, without a look.
     pub(super) fn look_for_nan(&mut self, job: &Job) -> Result<(), Cancelled> {
-        if T::DTYPE.is_integer() {
+        if T::DTYPE.is_integer() || self.needed.is_some() {
             return Ok(());
         }
         let view = self.part(self.new.clone());

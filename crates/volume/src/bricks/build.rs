@@ -1,10 +1,11 @@
 //! From samples to extents, with one look at each.
 //!
 //! Every slice is cut into columns of 8 cells first, in parallel. A brick is then nine slices of one
-//! column; those that it shares with its neighbour are not looked at again.
+//! column; those that it shares with its neighbour are not looked at again. Of slices that pass by a few are in
+//! memory at a time.
 
 use super::{BrickGrid, Bricks};
-use crate::{Sample, View};
+use crate::{Sample, SlabSource, View, passes::each_piece};
 use isokit_job::{Cancelled, Job, Stopped};
 use isokit_lanes::{Columns, Extent, add_row, exactly, words};
 use rayon::prelude::*;
@@ -43,6 +44,41 @@ impl<T: Sample> Bricks<T> {
     }
 }
 
+impl<T: Sample> Bricks<T> {
+    /// Looks at every sample of a source once: the same as of a volume in memory.
+    ///
+    /// # Errors
+    ///
+    /// If the source fails, or the job is cancelled or allows less memory.
+    pub fn of_slices<S: SlabSource<T>>(mut source: S, job: &Job) -> Result<Self, S::Error> {
+        // What is not in memory may be more than its address space numbers.
+        let dims = source.grid().dims().map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+        let grid = BrickGrid::new(dims);
+        job.limits.allow("bricks", grid.count(), size_of::<Extent<T>>())?;
+        let per_layer = grid.counts[0] * grid.counts[1];
+        let mut extents = vec![Extent::EMPTY; per_layer * grid.counts[2]];
+        let mut before = 0;
+        each_piece(&mut source, "index", job, |view| {
+            let slices = (0..view.dims()[2]).into_par_iter().map(|k| {
+                job.check()?;
+                Ok(exactly(|| of_slice(&view, &grid, k)))
+            });
+            let slices = job.threads.run(|| slices.collect::<Result<Vec<_>, Cancelled>>())?;
+            for (slice, k) in slices.iter().zip(before..) {
+                for layer in grid.brick_of(2, k.max(1) - 1)..=grid.brick_of(2, k) {
+                    let own = &mut extents[per_layer * layer..per_layer * (layer + 1)];
+                    exactly(|| {
+                        own.iter_mut().zip(slice).for_each(|(own, &more)| *own = own.with(more))
+                    });
+                }
+            }
+            before += slices.len();
+            Ok(())
+        })?;
+        Ok(Self { grid, extents })
+    }
+}
+
 /// The part of each brick that lies in a slice.
 fn of_slice<T: Sample>(view: &View<'_, T>, grid: &BrickGrid, k: usize) -> Vec<Extent<T>> {
     let mut extents = Vec::with_capacity(grid.counts[0] * grid.counts[1]);
@@ -64,7 +100,7 @@ fn of_slice<T: Sample>(view: &View<'_, T>, grid: &BrickGrid, k: usize) -> Vec<Ex
 #[cfg(test)]
 mod tests {
     use super::Bricks;
-    use crate::{Grid, Sample, View, Volume};
+    use crate::{Grid, Sample, Slices, View, Volume};
     use isokit_job::{Job, Limits, Stopped};
     use isokit_lanes::Extent;
 
@@ -102,6 +138,8 @@ mod tests {
             }
         }
         assert_eq!(extents.next(), None);
+        let of_slices = Bricks::of_slices(Slices::new(*view), &Job::default()).unwrap();
+        assert!(of_slices.extents().iter().eq(bricks.extents()) && of_slices.grid() == &grid);
     }
 
     #[test]
@@ -130,6 +168,8 @@ mod tests {
         let view = chance([65, 9, 9], |r| r as u8);
         let limited = Job { limits: Limits { bytes: 10 }, ..Job::default() };
         let found = Bricks::of(&view.view(), &limited);
+        assert!(matches!(found, Err(Stopped::OverLimit(_))));
+        let found = Bricks::of_slices(Slices::new(view.view()), &limited);
         assert!(matches!(found, Err(Stopped::OverLimit(_))));
         let cancelled = Job::default();
         cancelled.cancel.cancel();

@@ -1,7 +1,7 @@
 //! The slices of a part of a volume in a file.
 
 use isokit_io::{FileSlices, ReadError};
-use isokit_volume::{Grid, Sample, Scaling, SlabSource};
+use isokit_volume::{Bricks, Grid, Sample, Scaling, SlabSource};
 use std::ops::Range;
 
 /// Slices without the samples that are not looked at.
@@ -9,6 +9,7 @@ pub(super) struct PartSlices<T> {
     source: FileSlices<T>,
     /// The lattice of the part.
     grid: Grid,
+    bricks: Option<Bricks<T>>,
     rows: [Range<usize>; 2],
     /// A whole slice, where its rows are cut.
     whole: Vec<T>,
@@ -18,7 +19,12 @@ impl<T: Sample> PartSlices<T> {
     pub(super) fn new(mut source: FileSlices<T>, grid: Grid, part: [Range<usize>; 3]) -> Self {
         let [x, y, z] = part;
         source.skip(z.start as u64);
-        Self { source, grid, rows: [x, y], whole: vec![] }
+        Self { source, grid, bricks: None, rows: [x, y], whole: vec![] }
+    }
+
+    /// The same with what is known of the part.
+    pub(super) fn with_bricks(self, bricks: Option<Bricks<T>>) -> Self {
+        Self { bricks, ..self }
     }
 }
 
@@ -31,6 +37,10 @@ impl<T: Sample> SlabSource<T> for PartSlices<T> {
 
     fn scaling(&self) -> Scaling {
         self.source.scaling()
+    }
+
+    fn bricks(&self) -> Option<&Bricks<T>> {
+        self.bricks.as_ref()
     }
 
     fn fill(&mut self, slices: &mut [T]) -> Result<(), ReadError> {
@@ -46,6 +56,22 @@ impl<T: Sample> SlabSource<T> for PartSlices<T> {
             for (row, whole) in slice.chunks_exact_mut(x.len()).zip(rows) {
                 row.copy_from_slice(&whole[x.clone()]);
             }
+        }
+        Ok(())
+    }
+
+    fn fill_rows(&mut self, slice: &mut [T], rows: Range<usize>) -> Result<(), ReadError> {
+        let [all_x, all_y, _] = self.source.grid().dims().map(|n| n as usize);
+        let [x, y] = self.rows.clone();
+        if (x.len(), y.len()) == (all_x, all_y) {
+            return self.source.fill_rows(slice, rows);
+        }
+        self.whole.resize(all_x * all_y, T::default());
+        let in_whole = y.start + rows.start..y.start + rows.end;
+        self.source.fill_rows(&mut self.whole, in_whole.clone())?;
+        for (row, j) in rows.zip(in_whole) {
+            let own = &mut slice[x.len() * row..x.len() * (row + 1)];
+            own.copy_from_slice(&self.whole[all_x * j..][x.clone()]);
         }
         Ok(())
     }
