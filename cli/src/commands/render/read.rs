@@ -31,7 +31,7 @@ pub(super) fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen>
         Subject::Volume(path, options, region) => {
             volume(plan, (path, options, region), scene, session)
         }
-        Subject::Mesh(path, chosen) => mesh(plan, (path, *chosen), scene, session),
+        Subject::Mesh(path, chosen) => mesh((path, *chosen), scene, session),
     }
 }
 
@@ -115,7 +115,6 @@ fn shown(plan: &RenderPlan, scene: &Scene, lattice: &Lattice) -> Result<[Range<u
 }
 
 fn mesh(
-    plan: &RenderPlan,
     (path, chosen): (&Path, Option<Rgba>),
     mut scene: Scene,
     session: &Session<'_, '_>,
