@@ -173,7 +173,8 @@ fn pictures(scan: &Scan, iso: f64) -> [[Vec<u32>; 2]; 2] {
     let parallel = Projection::Parallel { height: 1.7 * widest };
     [Projection::Perspective { fov: 25.0 }, parallel].map(|projection| {
         let from = [2.2, -2.8, 1.9].map(|c| c * widest);
-        let viewpoint = Viewpoint::At { from, at: None, up: [0.0, 0.0, 1.0], projection };
+        let viewpoint =
+            Viewpoint::At { from, at: None, up: [0.0, 0.0, 1.0], orbit: 0.0, projection };
         let (color, name) = ([1.0; 3], "one".to_owned());
         let look = SurfaceLook { name, iso: Some(iso), color, opacity: OPACITY, texture: None };
         let scene = Scene {

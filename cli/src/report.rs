@@ -18,7 +18,9 @@ pub(crate) use mesh::{
     CheckReport, MeshCounts, MeshReport, SlabCounts, SurfaceBrief, SurfaceReport, around,
 };
 pub(crate) use refine::RefineReport;
-pub(crate) use render::{DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings};
+pub(crate) use render::{
+    DrawnSurface, ReadSamples, RenderInput, RenderReport, RenderSkipped, RenderTimings,
+};
 pub(crate) use suggest::{PERCENTS, SuggestReport};
 pub(crate) use system::{peak_rss_bytes, simd};
 pub(crate) use timings::{Timings, median, timed};

@@ -2,7 +2,11 @@
 
 use crate::{args::SampleType, fault::CallerError};
 use anyhow::{Context, Result};
-use isokit::{mesh::Rgba, pipeline::IsoChoice, volume::Quantity};
+use isokit::{
+    mesh::Rgba,
+    pipeline::{IsoChoice, Region},
+    volume::Quantity,
+};
 use serde::{Deserialize, Deserializer, de::Error};
 use std::{fmt::Display, fs, path::Path, str::FromStr};
 
@@ -45,6 +49,11 @@ pub(crate) struct VolumeTable {
     /// What is read of one of vectors.
     #[serde(default, deserialize_with = "parsed")]
     pub(crate) quantity: Option<Quantity>,
+    /// The part that is looked at, in samples or in world units, as on the command line.
+    #[serde(default, deserialize_with = "samples")]
+    pub(crate) roi: Option<Region>,
+    #[serde(default, deserialize_with = "world")]
+    pub(crate) roi_mm: Option<Region>,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq)]
@@ -350,6 +359,16 @@ where
     D: Deserializer<'de>,
 {
     String::deserialize(deserializer)?.parse().map(Some).map_err(D::Error::custom)
+}
+
+fn samples<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Region>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    Region::parse_samples(&text).map(Some).map_err(D::Error::custom)
+}
+
+fn world<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Region>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    Region::parse_world(&text).map(Some).map_err(D::Error::custom)
 }
 
 fn iso<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IsoChoice, D::Error> {

@@ -4,7 +4,9 @@ use super::{LevelArg, VolumeArgs, values};
 use crate::scene_file::{Ground, ModeWord, PresetWord, SideWord};
 use clap::{Args, ValueEnum};
 use isokit::{
+    geom::HalfSpace,
     mesh::Rgba,
+    pipeline::Region,
     render::{Depth, Size, Smoothing},
 };
 use std::{num::NonZeroUsize, path::PathBuf};
@@ -15,9 +17,11 @@ Examples:
   isokit render ct.nii.gz --iso -300:skin:#d8a58080 --iso 300:bone -o head.png
   isokit render ct.nii.gz --preset ct-bone --view left -o bone.png
   isokit render bone.stl --frames 36 -o turn.png
+  isokit render bone.stl --clip 1,0,0,12.5 -o half.png
   isokit render painted.ply --color '#e8dcc0' -o plain.png
   isokit render ct.nii.gz --iso -300 --iso 300 --iso 1500 --sheet -o sheet.png
   isokit render ct.nii.gz --preset ct-skin --plot preset.png
+  isokit render ct.nii.gz --roi-mm :,-40:40,: --preset ct-bone -o slab.png
   isokit render scene.toml --plan
 
 A scene file says more than options; each option, where given, comes before what the file says:
@@ -25,6 +29,7 @@ A scene file says more than options; each option, where given, comes before what
   [volume]
   path = \"ct.nii.gz\"           # beside the scene file
   spacing = [0.5, 0.5, 1]      # or origin, index, quantity, and dims, dtype, skip, as on the command line
+  roi = \"20:200,:,10:90\"      # or roi_mm, as --roi and --roi-mm: no more is read
   [[surface]]                  # any number, or none
   name = \"skin\"
   iso = -300
@@ -88,6 +93,11 @@ pub(crate) struct RenderArgs {
     /// surfaces, else one for each]
     #[arg(long, value_name = "COLOR", help_heading = "Scene")]
     pub(crate) color: Option<Rgba>,
+    /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in world units, besides what planes of the scene do. Surfaces
+    /// of a volume are closed there in their colour; of a mesh nobody knows what is inside. Repeat it for several planes
+    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, allow_hyphen_values = true)]
+    #[arg(help_heading = "Scene")]
+    pub(crate) clip: Vec<HalfSpace>,
     /// What is shown [default: surfaces with --iso or of a mesh, else raycast]
     #[arg(long, value_enum, help_heading = "Scene")]
     pub(crate) mode: Option<ModeWord>,
@@ -142,7 +152,30 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) part: PartArgs,
+    #[command(flatten)]
     pub(crate) volume: VolumeArgs,
+}
+
+/// The part of a volume that is looked at.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Part")]
+pub(crate) struct PartArgs {
+    /// Part of the volume, in samples: x0:x1,y0:y1,z0:z1, upper ends not included; an end may be left out. What lies beyond
+    /// is not read
+    #[arg(long, value_name = "RANGES", value_parser = Region::parse_samples, conflicts_with = "roi_mm")]
+    roi: Option<Region>,
+    /// Part of the volume, in coordinates of its world: the same with numbers; the samples around that box are taken, and
+    /// none beyond
+    #[arg(long, value_name = "RANGES", value_parser = Region::parse_world, allow_hyphen_values = true)]
+    roi_mm: Option<Region>,
+}
+
+impl PartArgs {
+    /// The part, if one was typed.
+    pub(crate) fn region(&self) -> Option<Region> {
+        self.roi.or(self.roi_mm)
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -22,7 +22,7 @@ use isokit::{
     lanes::return_freed_memory,
     marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
-    pipeline::{Index, IsoChoice, PipelineError, Scan},
+    pipeline::{Index, IsoChoice, PipelineError, Region, Scan},
     refine::{Refined, Subdivision},
 };
 use std::time::Instant;
@@ -41,8 +41,11 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
 fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), Timings::default());
     let attribute = attribute::open(&plan.color, plan.target.format, session)?;
+    // An index is of the whole volume, whatever part is looked at.
+    let read = if plan.index { &Region::Whole } else { &plan.region };
     let mut scan = timed(&mut timings.read, || {
-        Scan::open(&plan.input, &plan.volume, plan.space, &plan.region, &session.job)
+        let scan = Scan::open(&plan.input, &plan.volume, plan.space, read, &session.job)?;
+        Ok::<_, PipelineError>(scan.cropped(&plan.region)?)
     })?;
     scan.notes().iter().for_each(|note| session.console.note(note));
     if plan.index {

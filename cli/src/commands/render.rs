@@ -2,14 +2,15 @@
 
 mod detail;
 mod pictures;
+mod read;
 mod words;
 
 use super::write_text;
 use crate::{
     Exit, Session,
-    plan::{FadePlan, LookPlan, ModelPlan, RenderPlan, Stream, Subject, color},
+    plan::{RenderPlan, Stream},
     report::{
-        DrawnSurface, RenderInput, RenderReport, RenderSkipped, RenderTimings, VolumeFacts, timed,
+        DrawnSurface, ReadSamples, RenderInput, RenderReport, RenderSkipped, RenderTimings, timed,
         to_json,
     },
     scene_file::ModeWord,
@@ -17,11 +18,9 @@ use crate::{
 use anyhow::Result;
 use isokit::{
     geom::{Aabb, Space},
-    io::{Format, read_mesh},
-    mesh::{Surface, TriMesh},
-    pipeline::{IsoChoice, Region, Scan, TargetSpace},
-    render::{OpticalModel, SlopeFunction},
-    scene::{Scene, SurfaceLook, full_slope},
+    mesh::TriMesh,
+    pipeline::{Scan, ScanFile},
+    scene::{Needs, Scene},
 };
 use std::time::Instant;
 
@@ -39,6 +38,10 @@ pub(crate) fn run(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<Ex
 struct Seen {
     scene: Scene,
     scan: Option<Scan>,
+    /// The header of a scan of which no sample is looked at.
+    file: Option<ScanFile>,
+    /// Which samples are read, or would be.
+    samples: Option<ReadSamples>,
     /// One for each surface of the scene, once they are made.
     meshes: Vec<TriMesh>,
     around: (Aabb, Space),
@@ -49,7 +52,7 @@ struct Seen {
 /// Makes the pictures; the report comes back as text, or what would be done.
 fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), RenderTimings::default());
-    let mut seen = timed(&mut timings.read, || read(plan, session))?;
+    let mut seen = timed(&mut timings.read, || read::read(plan, session))?;
     if let Some(path) = plan.plot.as_deref().filter(|_| !plan.is_plan) {
         pictures::plot(path, plan, &seen, session)?;
     }
@@ -57,10 +60,14 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let wants_needs = is_plan || plan.report.is_some() || session.console.is_verbose();
     let mut skipped = RenderSkipped::default();
     let camera = (&plan.viewpoints[..], pictures::size(plan, seen.scene.surfaces.len())?);
-    if let (Some(scan), true) = (&seen.scan, wants_needs) {
-        let needs = match plan.mode {
-            mode if mode.shows_values() => seen.scene.needs_of_rays(scan, camera, &session.job)?,
-            _ => seen.scene.needs(scan, camera, &session.job)?,
+    if wants_needs {
+        let (scene, shows_values) = (&seen.scene, plan.mode.shows_values());
+        let needs = match (&seen.scan, &seen.file) {
+            (Some(scan), _) if shows_values => scene.needs_of_rays(scan, camera, &session.job)?,
+            (Some(scan), _) => scene.needs(scan, camera, &session.job)?,
+            (None, Some(file)) if shows_values => scene.needs_of_rays_of_file(file, camera)?,
+            (None, Some(file)) => scene.needs_of_file(file, camera)?,
+            (None, None) => Needs::default(),
         };
         skipped = RenderSkipped::of(&needs, plan.mode);
     }
@@ -88,8 +95,8 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     if is_plan && plan.report.is_none() {
         return Ok(words::plan_lines(plan, &seen, &skipped));
     }
-    words::tell(plan.mode, &skipped, &timings, session);
-    let Some(input) = seen.input else { return Ok(String::new()) };
+    words::tell((plan.mode, seen.samples.as_ref()), &skipped, &timings, session);
+    let (samples, Some(input)) = (seen.samples, seen.input) else { return Ok(String::new()) };
     let pictures = plan.targets.iter().filter_map(|target| match target {
         Stream::File(path) => Some(path.clone()),
         Stream::Stdout => None,
@@ -101,108 +108,13 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
         size: [plan.size.width.get(), plan.size.height.get()],
         surfaces,
         outputs: outputs.collect(),
+        samples,
         skipped,
         timings_s: timings,
         threads: session.job.threads.count(),
         ..RenderReport::new(&session.command, input)
     };
     Ok(to_json(&report)?)
-}
-
-/// Reads what is looked at, and finds out what is still to be chosen.
-fn read(plan: &RenderPlan, session: &Session<'_, '_>) -> Result<Seen> {
-    let mut scene = Scene {
-        surfaces: vec![],
-        clips: plan.clips.clone(),
-        model: None,
-        viewpoint: plan.viewpoints[0],
-        raster: plan.raster,
-        raycast: plan.raycast,
-    };
-    match &plan.subject {
-        Subject::Volume(path, options) => {
-            let (space, whole) = (TargetSpace::Source, Region::Whole);
-            let scan = Scan::open(path, options, space, &whole, &session.job)?;
-            scan.notes().iter().for_each(|note| session.console.note(note));
-            let look = |look: &LookPlan| surface_look(look, &scan, session);
-            scene.surfaces = plan.surfaces.iter().map(look).collect::<Result<_>>()?;
-            if plan.mode.shows_values() || scene.has_slices() {
-                scene.model = Some(model(&plan.model, &scan, session)?);
-            }
-            let input = match plan.report {
-                None => None,
-                Some(_) => {
-                    let statistics = scan.statistics(&session.job)?;
-                    let facts = VolumeFacts::of(path, &scan, &statistics);
-                    Some(RenderInput::Volume(Box::new(facts)))
-                }
-            };
-            let around = scan.around();
-            Ok(Seen { scene, scan: Some(scan), meshes: vec![], around, input })
-        }
-        Subject::Mesh(path, chosen) => {
-            let input = read_mesh(path, &session.job)?;
-            input.notes.iter().for_each(|note| session.console.note(note));
-            let mut meshes = vec![];
-            for (n, surface) in input.surfaces.into_iter().enumerate() {
-                let Surface { name, color: own, mut mesh, .. } = surface;
-                // What was typed comes before all that the file says.
-                if chosen.is_some() {
-                    mesh.attributes.colors = None;
-                }
-                let color = chosen.or(own).unwrap_or(color(n));
-                let [r, g, b, opacity] = color.to_linear();
-                // Vertices have an opacity of their own, which in OBJ is that of the surface.
-                let is_shared = mesh.attributes.colors.is_none() || input.format == Format::Obj;
-                let opacity = if is_shared { opacity } else { 1.0 };
-                scene.surfaces.push(SurfaceLook {
-                    name,
-                    iso: None,
-                    color: [r, g, b],
-                    opacity,
-                    texture: None,
-                });
-                meshes.push(mesh);
-            }
-            // A picture of nothing has a camera too.
-            let bounds = Aabb { min: [0.0; 3], max: [1.0; 3] };
-            let path = path.display().to_string();
-            let (around, input) = ((bounds, input.space), Some(RenderInput::Mesh { path }));
-            Ok(Seen { scene, scan: None, meshes, around, input })
-        }
-    }
-}
-
-/// What values look like. What was chosen for the user is told.
-fn model(plan: &ModelPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<OpticalModel> {
-    let (function, fade) = match plan {
-        ModelPlan::Mixture(mixture) => return Ok(mixture.clone().into()),
-        ModelPlan::Rows(slopes) => return Ok(slopes.clone().into()),
-        ModelPlan::Points(function, fade) => (function.clone(), fade),
-        ModelPlan::Preset(preset, fade) => (preset.transfer(scan, &session.job)?, fade),
-    };
-    let full = match fade {
-        None => return Ok(function.into()),
-        Some(FadePlan::Slope(slope)) => *slope,
-        Some(FadePlan::Auto) => {
-            let slope = full_slope(scan, &function, &session.job)?;
-            session.console.note(&format!("gradient is {slope} here"));
-            slope
-        }
-    };
-    Ok(SlopeFunction::fading(function, full)?.into())
-}
-
-/// A surface with the isovalue that was meant. What was chosen for the user is told.
-fn surface_look(look: &LookPlan, scan: &Scan, session: &Session<'_, '_>) -> Result<SurfaceLook> {
-    let iso = scan.iso(look.iso, &session.job)?;
-    if !matches!(look.iso, IsoChoice::Value(_)) {
-        session.console.note(&format!("iso {} is {iso} here", look.iso));
-    }
-    let name = look.name.clone().unwrap_or_else(|| format!("iso_{iso}"));
-    let [r, g, b, _] = look.color.to_linear();
-    let LookPlan { opacity, texture, .. } = *look;
-    Ok(SurfaceLook { name, iso: Some(iso), color: [r, g, b], opacity, texture })
 }
 
 fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {

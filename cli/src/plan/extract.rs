@@ -249,14 +249,13 @@ fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
     let is_scene = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     let says = match () {
         () if !is_scene => "--dump-scene: expected a name that ends in .toml",
-        () if args.roi.is_some() || args.roi_mm.is_some() => {
-            "--dump-scene: a scene shows the whole volume: leave out --roi"
-        }
         () if args.color.attribute.is_some() || args.color.texture.is_some() => {
             "--dump-scene: a scene has no colours of vertices: leave out --attribute and --texture"
         }
-        () if !args.clip.is_empty() && args.space != SpaceArg::Source => {
-            "--dump-scene: planes of a scene are in the file's own space: leave out --space"
+        () if (!args.clip.is_empty() || args.roi_mm.is_some())
+            && args.space != SpaceArg::Source =>
+        {
+            "--dump-scene: planes and parts of a scene are in the file's own space: leave out --space"
         }
         () => return Ok(()),
     };

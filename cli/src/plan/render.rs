@@ -21,7 +21,7 @@ use isokit::{
     geom::HalfSpace,
     io::VolumeOptions,
     mesh::Rgba,
-    pipeline::IsoChoice,
+    pipeline::{IsoChoice, Region},
     render::{
         Background, Channel, Depth, Pattern, RasterOptions, RaycastOptions, Size, SolidTexture,
     },
@@ -62,7 +62,7 @@ pub(crate) struct RenderPlan {
 /// What is looked at.
 #[derive(Debug)]
 pub(crate) enum Subject {
-    Volume(PathBuf, VolumeOptions),
+    Volume(PathBuf, VolumeOptions, Region),
     /// And the colour that it is drawn in whatever its file says.
     Mesh(PathBuf, Option<Rgba>),
 }
@@ -97,7 +97,9 @@ impl RenderPlan {
         };
         let mode = args.mode.or(file.output.mode).unwrap_or(default);
         subject::check(&subject, mode, &surfaces)?;
-        let clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
+        let mut clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
+        let cap = if is_mesh { CapStyle::None } else { CapStyle::Solid };
+        clips.extend(args.clip.iter().map(|&half| Clip { half, surfaces: None, cap }));
         check_use(&args, (mode, is_mesh), &clips)?;
         let viewpoint = viewpoint::of(&args, &file.camera)?;
         let [width, height] = file.output.size.unwrap_or(SIZE);
@@ -115,7 +117,7 @@ impl RenderPlan {
             mode,
             surfaces,
             clips,
-            viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from))?,
+            viewpoints: viewpoint::around(viewpoint, args.frames.map_or(1, usize::from)),
             raster: model::raster(&file.light, mode)?
                 .with_smoothing(args.smoothing.unwrap_or_default().into()),
             raycast: model::raycast(&file, &model, (mode, args.mode.is_some()))?,

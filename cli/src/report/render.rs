@@ -3,11 +3,12 @@
 use super::{VolumeFacts, peak_rss_bytes, simd};
 use crate::scene_file::ModeWord;
 use isokit::{
+    pipeline::Lattice,
     render::{Cast, Drawn, Splatted, Traced},
     scene::{Needs, SurfaceNeed},
 };
 use serde::Serialize;
-use std::path::PathBuf;
+use std::{ops::Range, path::PathBuf};
 
 /// What `render --report` writes.
 #[derive(Debug, Serialize)]
@@ -19,6 +20,7 @@ pub(crate) struct RenderReport<'a> {
     pub(crate) size: [u32; 2],
     pub(crate) surfaces: Vec<DrawnSurface>,
     pub(crate) outputs: Vec<PathBuf>,
+    pub(crate) samples: Option<ReadSamples>,
     pub(crate) skipped: RenderSkipped,
     pub(crate) timings_s: RenderTimings,
     pub(crate) threads: usize,
@@ -33,6 +35,20 @@ pub(crate) struct RenderReport<'a> {
 pub(crate) enum RenderInput {
     Volume(Box<VolumeFacts>),
     Mesh { path: String },
+}
+
+/// Which samples are read.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ReadSamples {
+    /// Of the file.
+    pub(crate) all: u64,
+    /// Of the part that is looked at.
+    pub(crate) of_part: u64,
+    pub(crate) read: u64,
+    /// First one and one after the last along x, y, z.
+    pub(crate) ranges: [[u64; 2]; 3],
+    /// Why no fewer are, if that is not because the picture shows them.
+    pub(crate) why: Option<&'static str>,
 }
 
 /// One surface.
@@ -122,6 +138,7 @@ impl RenderReport<'_> {
             size: [0; 2],
             surfaces: vec![],
             outputs: vec![],
+            samples: None,
             skipped: RenderSkipped::default(),
             timings_s: RenderTimings::default(),
             threads: 0,
@@ -129,6 +146,20 @@ impl RenderReport<'_> {
             peak_rss_bytes: peak_rss_bytes(),
             version: env!("CARGO_PKG_VERSION"),
         }
+    }
+}
+
+impl ReadSamples {
+    /// What of a lattice is read.
+    pub(crate) fn of(
+        lattice: &Lattice,
+        ranges: &[Range<usize>; 3],
+        why: Option<&'static str>,
+    ) -> Self {
+        let read = ranges.iter().map(|range| range.len() as u64).product();
+        let ranges = ranges.each_ref().map(|range| [range.start as u64, range.end as u64]);
+        let all = lattice.whole().count();
+        Self { all, of_part: lattice.count(), read, ranges, why }
     }
 }
 
@@ -143,7 +174,7 @@ impl RenderSkipped {
             bricks: needs.bricks,
             bricks_skipped: needs.bricks_skipped,
             samples: if mode == ModeWord::Splat { 0 } else { needs.samples },
-            samples_skipped: needs.samples_skipped,
+            samples_skipped: if mode == ModeWord::Splat { 0 } else { needs.samples_skipped },
             surfaces: needs.surfaces.iter().enumerate().filter_map(skipped).collect(),
             ..Self::default()
         }

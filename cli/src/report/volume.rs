@@ -2,7 +2,7 @@
 
 use isokit::{
     io::{ColorFile, Format},
-    pipeline::{Scan, SlabScan},
+    pipeline::{Scan, ScanFile, SlabScan},
     volume::{Dtype, Grid, Scaling, Statistics},
 };
 use serde::Serialize;
@@ -25,7 +25,10 @@ pub(crate) struct VolumeFacts {
     /// First sample and one after the last along x, y, z, where only a part was looked at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) roi: Option<[[u64; 2]; 3]>,
-    /// Of the part, like all that follows; null if it has no value.
+    /// The same of the samples that were read, where a picture needs no others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) read: Option<[[u64; 2]; 3]>,
+    /// Of the part, like all that follows, as far as it was read; null if it has no value.
     pub(crate) range: Option<[f64; 2]>,
     pub(crate) nan: u64,
     pub(crate) infinite: u64,
@@ -89,10 +92,21 @@ impl VolumeFacts {
     pub(crate) fn of(path: &Path, scan: &Scan, statistics: &Statistics) -> Self {
         let volume = scan.volume();
         let format = scan.format().map_or("memory", Format::name);
-        let lattice = (volume.grid(), volume.scaling(), volume.dtype());
+        let lattice = (scan.lattice().whole(), volume.scaling(), volume.dtype());
         let part = scan.is_cropped().then(|| scan.part());
+        let read = scan.is_read_in_part().then(|| scan.samples_read().map(ends));
         let notes = scan.notes().to_vec();
-        Self { notes, ..Self::of_part(path, format, lattice, part, statistics) }
+        Self { notes, read, ..Self::of_part(path, format, lattice, part, statistics) }
+    }
+
+    /// The same of a scan of which no sample was read.
+    pub(crate) fn of_file(path: &Path, file: &ScanFile) -> Self {
+        let lattice = file.lattice();
+        let part = lattice.is_cropped().then(|| lattice.part());
+        let of = (lattice.whole(), file.scaling(), file.dtype());
+        let (notes, read) = (file.notes().to_vec(), Some([[0, 0]; 3]));
+        let nothing = Statistics { range: None, nan: 0, first_nan: None, infinite: 0 };
+        Self { notes, read, ..Self::of_part(path, file.format().name(), of, part, &nothing) }
     }
 
     /// The same of a scan that stays in its file.
@@ -118,7 +132,6 @@ impl VolumeFacts {
         statistics: &Statistics,
     ) -> Self {
         let affine = grid.frame.index_to_world;
-        let ends = |range: Range<usize>| [range.start as u64, range.end as u64];
         Self {
             path: path.display().to_string(),
             format,
@@ -131,10 +144,15 @@ impl VolumeFacts {
             unit: grid.frame.unit.to_string(),
             space: grid.frame.space.to_string(),
             roi: part.map(|part| part.map(ends)),
+            read: None,
             range: statistics.range,
             nan: statistics.nan,
             infinite: statistics.infinite,
             notes: vec![],
         }
     }
+}
+
+fn ends(range: Range<usize>) -> [u64; 2] {
+    [range.start as u64, range.end as u64]
 }

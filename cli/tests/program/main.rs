@@ -12,6 +12,7 @@ mod info;
 mod kit;
 mod looks;
 mod paint;
+mod part;
 mod places;
 mod refine;
 mod render;

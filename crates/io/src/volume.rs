@@ -36,7 +36,7 @@ mod write;
 pub use bricks::{BrickFile, NoBricks};
 pub use colors::{ColorFile, open_colors};
 pub use open::{VolumeFile, open_volume, read_volume};
-pub use slices::FileSlices;
+pub use slices::{FileSlices, PartSlices};
 pub use write::{
     Prepared, prepare_colors, prepare_volume, volume_files, write_colors, write_volume,
 };

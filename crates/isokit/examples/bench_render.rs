@@ -222,7 +222,8 @@ impl View {
     /// As few samples as its pixels show, if they are fewer.
     fn halved(&self, scan: &Scan) -> Result<Option<Scan>, Failure> {
         let viewpoints = [Viewpoint::of(&self.camera()?)];
-        let halvings = Scene::halvings(scan, scan.around().0, (&viewpoints, self.size()?))?;
+        let halvings =
+            Scene::halvings(scan.lattice(), scan.around().0, (&viewpoints, self.size()?))?;
         Ok(scan.halved(halvings, &self.job()?)?)
     }
 

@@ -3,6 +3,7 @@
 //! | step | function |
 //! | --- | --- |
 //! | read | [`Scan::read`], [`Scan::open`] with options, or [`Scan::new`] for samples from elsewhere |
+//! | or look first | [`ScanFile`] knows where samples are before any is read, and reads those that are wanted |
 //! | place | [`Scan::placed`] chooses the axes of the world, [`Scan::cropped`] a part of the samples |
 //! | resample | [`Scan::resampled`] has samples farther from each other, or nearer |
 //! | choose | [`Scan::suggestions`] says which isovalues stand out; [`Scan::iso`] turns "automatic" or a percentage into one |
@@ -22,11 +23,13 @@ mod clip;
 mod error;
 mod index;
 mod iso;
+mod lattice;
 mod refine;
 mod region;
 mod remark;
 mod resampled;
 mod scan;
+mod scan_file;
 mod slab_scan;
 mod sparse;
 mod surface;
@@ -36,10 +39,13 @@ mod values;
 pub use error::PipelineError;
 pub use index::Index;
 pub use iso::{IsoChoice, ParseIsoError};
+pub use lattice::Lattice;
+pub(crate) use lattice::count;
 pub use refine::refine_on;
 pub use region::{ParseRegionError, Region, RegionError, Span};
 pub use remark::Remark;
 pub use scan::Scan;
+pub use scan_file::ScanFile;
 pub use slab_scan::SlabScan;
 pub use sparse::sparse_meshes_into;
 pub use surface::{Normals, SurfaceOptions};

@@ -2,6 +2,7 @@
 //!
 //! | step | function |
 //! | --- | --- |
+//! | know what is to be read, and read that | [`Scene::samples_of_surfaces`], [`Scene::samples_of_rays`] |
 //! | know what is computed, and what not | [`Scene::needs`], [`Scene::needs_of_rays`] |
 //! | make the surfaces that can be seen | [`Scene::meshes`], [`Scene::meshes_on_screen`] |
 //! | draw them, cut and capped | [`Scene::draw`] |
@@ -135,13 +136,16 @@ impl Scene {
         job: &Job,
     ) -> Result<Vec<TriMesh>, SceneError> {
         self.check_names()?;
-        let views = self.views(scan, camera, self.raster.needs_surroundings())?;
+        let views = self.views(scan.lattice(), camera, self.raster.needs_surroundings())?;
         self.meshes_in(scan, &views, job)
     }
 
     fn meshes_in(&self, scan: &Scan, views: &Views, job: &Job) -> Result<Vec<TriMesh>, SceneError> {
-        let parts: Vec<_> =
-            self.surfaces.iter().map(|look| self.part_of(look, scan, views).ok()).collect();
+        let parts: Vec<_> = self
+            .surfaces
+            .iter()
+            .map(|look| self.part_of(look, scan.lattice(), views).ok())
+            .collect();
         let mut meshes = vec![TriMesh::default(); parts.len()];
         let normals = if self.raster.needs_normals() { Normals::Gradient } else { Normals::None };
         let options = Self::surface_options().with_normals(normals);
@@ -226,10 +230,10 @@ impl Scene {
         let solids = self.solids();
         let looks = self.surfaces.iter().zip(&clips).zip(&solids);
         let of = (&[self.viewpoint][..], size);
-        let views = self.views(scan, of, self.raster.needs_surroundings())?;
+        let views = self.views(scan.lattice(), of, self.raster.needs_surroundings())?;
         let looks = looks.filter_map(|((look, clips), solid)| {
             let (paint, opacity) = (look.paint(solid, None), look.opacity);
-            self.part_of(look, scan, &views).ok()?;
+            self.part_of(look, scan.lattice(), &views).ok()?;
             Some(Isosurface { iso: look.iso?, paint, opacity, clips })
         });
         let surfaces: Vec<_> = looks.collect();

@@ -6,8 +6,14 @@ use crate::{
     plan::{ExtractPlan, LevelPlan, color},
 };
 use anyhow::{Context, Result};
-use isokit::io::RawLayout;
-use std::{fmt::Write, path};
+use isokit::{
+    io::RawLayout,
+    pipeline::{Region, Span},
+};
+use std::{
+    fmt::{Debug, Write},
+    path,
+};
 use toml::Value;
 
 /// A scene file that shows what was made: the volume wherever the scene lies, and each surface at its isovalue.
@@ -31,6 +37,11 @@ pub(super) fn text(plan: &ExtractPlan, isos: &[f64]) -> Result<String> {
     options.volume_index.iter().try_for_each(|index| writeln!(text, "index = {index}"))?;
     let quantity = options.quantity.map(|quantity| quoted(&quantity.to_string()));
     quantity.iter().try_for_each(|quantity| writeln!(text, "quantity = {quantity}"))?;
+    match plan.region {
+        Region::Whole => {}
+        Region::Samples(spans) => writeln!(text, "roi = {}", quoted(&ranges(&spans)))?,
+        Region::World(spans) => writeln!(text, "roi_mm = {}", quoted(&ranges(&spans)))?,
+    }
     for (n, (level, iso)) in plan.levels.iter().zip(isos).enumerate() {
         let LevelPlan { name, color: own, .. } = level;
         let name = name.as_ref().map_or(String::new(), |name| format!("name = {}\n", quoted(name)));
@@ -42,4 +53,11 @@ pub(super) fn text(plan: &ExtractPlan, isos: &[f64]) -> Result<String> {
         write!(text, "\n[[clip]]\nplane = [{x:?}, {y:?}, {z:?}, {offset:?}]\ncap = \"solid\"\n")?;
     }
     Ok(text + "\n[output]\nsize = [1024, 1024]\nmode = \"surfaces\"\n")
+}
+
+/// As on the command line.
+fn ranges<T: Debug>(spans: &[Span<T>; 3]) -> String {
+    let end = |end: &Option<T>| end.as_ref().map_or(String::new(), |end| format!("{end:?}"));
+    let ranges = spans.each_ref().map(|span| format!("{}:{}", end(&span.from), end(&span.to)));
+    ranges.join(",")
 }

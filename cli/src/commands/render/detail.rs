@@ -5,7 +5,7 @@ use crate::{Session, plan::RenderPlan, report::RenderSkipped, text::grouped};
 use anyhow::Result;
 use isokit::{
     mesh::TriMesh,
-    pipeline::Scan,
+    pipeline::{Scan, ScanFile},
     render::Size,
     scene::{Scene, Viewpoint},
 };
@@ -18,11 +18,12 @@ pub(super) fn halve(
     camera: (&[Viewpoint], Size),
     session: &Session<'_, '_>,
 ) -> Result<[u32; 3]> {
-    let Some(scan) = &seen.scan else { return Ok([0; 3]) };
-    let halvings = Scene::halvings(scan, seen.around.0, camera)?;
-    if plan.is_plan {
-        return Ok(halvings);
-    }
+    let file = seen.file.as_ref().map(ScanFile::lattice);
+    let Some(lattice) = seen.scan.as_ref().map(Scan::lattice).or(file) else {
+        return Ok([0; 3]);
+    };
+    let halvings = Scene::halvings(lattice, seen.around.0, camera)?;
+    let (false, Some(scan)) = (plan.is_plan, &seen.scan) else { return Ok(halvings) };
     let spacing = scan.frame().index_to_world.spacing();
     let least = spacing.into_iter().fold(f64::INFINITY, f64::min);
     if let Some(coarse) = scan.halved(halvings, &session.job)? {

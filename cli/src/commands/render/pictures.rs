@@ -1,6 +1,6 @@
 //! The pictures themselves, and the files that they become.
 
-use super::Seen;
+use super::{Seen, read::model};
 use crate::{
     Session,
     chart::{self, Canvas},
@@ -173,10 +173,10 @@ pub(super) fn plot(
 ) -> Result<()> {
     let Some(scan) = &seen.scan else { return Ok(()) };
     let made;
-    let model = match &seen.scene.model {
-        Some(model) => model,
+    let shown = match &seen.scene.model {
+        Some(shown) => shown,
         None => {
-            made = super::model(&plan.model, scan, session)?;
+            made = model(&plan.model, Some(scan), session)?;
             &made
         }
     };
@@ -186,7 +186,7 @@ pub(super) fn plot(
     };
     let isos = seen.scene.surfaces.iter();
     let isos = isos.filter_map(|look| Some((look.name.clone(), look.iso?, look.color)));
-    let image = chart::plot(histogram, model, &isos.collect::<Vec<_>>(), &session.job)?;
+    let image = chart::plot(histogram, shown, &isos.collect::<Vec<_>>(), &session.job)?;
     let ground = Background::Color([1.0; 3]);
     to_file(path, session, |out| Ok(write_png(&image, ground, Depth::Eight, out)?))
 }

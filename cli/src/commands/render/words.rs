@@ -4,7 +4,7 @@ use super::Seen;
 use crate::{
     Session,
     plan::RenderPlan,
-    report::{RenderSkipped, RenderTimings},
+    report::{ReadSamples, RenderSkipped, RenderTimings},
     scene_file::ModeWord,
     text::{counted, grouped},
 };
@@ -12,11 +12,12 @@ use isokit::render::Channel;
 
 /// Says what was computed, and what not.
 pub(super) fn tell(
-    mode: ModeWord,
+    (mode, samples): (ModeWord, Option<&ReadSamples>),
     skipped: &RenderSkipped,
     timings: &RenderTimings,
     session: &Session<'_, '_>,
 ) {
+    samples.iter().for_each(|samples| session.console.detail(&read_line(samples)));
     skipped_lines(mode, skipped).iter().for_each(|line| session.console.detail(line));
     let RenderTimings { read, extract, render, write, total } = timings;
     session.console.detail(&format!(
@@ -30,6 +31,14 @@ pub(super) fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped
     let pictures = counted(plan.viewpoints.len() as u64, "picture", "pictures");
     let [width, height] = [plan.size.width, plan.size.height];
     let mut lines = vec![format!("{pictures} of {width} x {height}, {}", mode_name(plan.mode))];
+    lines.extend(seen.samples.iter().map(read_line));
+    if seen.file.is_some() && skipped.bricks == 0 {
+        lines.push(
+            "which bricks hold something is not known before samples are read: an index says it \
+             (isokit extract --index)"
+                .into(),
+        );
+    }
     if !plan.mode.shows_values() {
         for (n, look) in seen.scene.surfaces.iter().enumerate() {
             let why = skipped.surfaces.iter().find(|skipped| skipped.number == n);
@@ -67,6 +76,25 @@ pub(super) fn plan_lines(plan: &RenderPlan, seen: &Seen, skipped: &RenderSkipped
     lines.join("\n") + "\n"
 }
 
+/// Which samples are read, and why no others or all.
+fn read_line(samples: &ReadSamples) -> String {
+    let ReadSamples { all, of_part, read, ranges, why } = samples;
+    let part = match all == of_part {
+        true => String::new(),
+        false => format!(" in the part, of {} in the file", grouped(*all)),
+    };
+    if read == of_part {
+        let why = why.map_or(String::new(), |why| format!(": {why}"));
+        return format!("reads all {} samples{part}{why}", grouped(*read));
+    }
+    let [x, y, z] = ranges.map(|[from, to]| format!("{from}:{to}"));
+    format!(
+        "reads {} of {} samples{part}, {x},{y},{z}: planes cut the others away, or no picture shows them",
+        grouped(*read),
+        grouped(*of_part)
+    )
+}
+
 /// What is not computed, a sentence each.
 fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
     let of = |part: u64, all: u64, what: &str| {
@@ -75,7 +103,6 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
     let triangles = skipped.triangles + skipped.triangles_skipped;
     let of_samples = match mode {
         ModeWord::Splat => Some("samples, which give nothing to what can be seen"),
-        ModeWord::Raycast => None,
         _ => Some("samples, which planes cut away or no picture shows"),
     };
     let every = skipped.halvings.map(|halvings| 1_u64 << halvings.min(63));

@@ -83,7 +83,7 @@ pub(super) fn targets(
         }
         Some(one) => vec![one],
     };
-    let (Subject::Volume(input, _) | Subject::Mesh(input, _)) = subject;
+    let (Subject::Volume(input, ..) | Subject::Mesh(input, _)) = subject;
     let mut places = Places::of_input(input);
     if *input != args.input {
         places.add("the scene", &args.input)?;

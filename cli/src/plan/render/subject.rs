@@ -18,8 +18,14 @@ pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject,
                 let says = "a mesh has no samples: leave out --quantity, --spacing and what else says how a volume is read";
                 Err(UsageError(says.into()))
             }
+            Some(_) if args.part.region().is_some() => Err(UsageError(
+                "--roi is of the samples of a volume, which a mesh has not: leave it out".into(),
+            )),
             Some(_) => Ok(Subject::Mesh(args.input.clone(), args.color)),
-            None => Ok(Subject::Volume(args.input.clone(), args.volume.options())),
+            None => {
+                let region = args.part.region().unwrap_or_default();
+                Ok(Subject::Volume(args.input.clone(), args.volume.options(), region))
+            }
         };
     };
     let Some(volume) = &file.volume else {
@@ -27,7 +33,12 @@ pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject,
         return Err(UsageError(format!("{}: {says}", args.input.display())));
     };
     let folder = args.input.parent().unwrap_or(Path::new(""));
-    Ok(Subject::Volume(folder.join(&volume.path), described(volume, args.volume.options())?))
+    if volume.roi.is_some() && volume.roi_mm.is_some() {
+        return Err(UsageError("[volume]: expected either roi or roi_mm, found both".into()));
+    }
+    let region = args.part.region().or(volume.roi).or(volume.roi_mm).unwrap_or_default();
+    let options = described(volume, args.volume.options())?;
+    Ok(Subject::Volume(folder.join(&volume.path), options, region))
 }
 
 /// What was typed of a volume, or else what the scene says.

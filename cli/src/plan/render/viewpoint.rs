@@ -40,12 +40,8 @@ pub(super) fn of(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, Us
         return refuse("orbit: expected degrees, a finite number");
     }
     if let (Some(from), None) = (table.from, args.view) {
-        if table.view.is_some() || table.orbit.is_some() {
-            return refuse("expected either from or view and orbit, found both");
-        }
-        if args.orbit.is_some() {
-            let says = "--orbit goes around what is seen from a side: add --view";
-            return Err(UsageError(says.into()));
+        if table.view.is_some() {
+            return refuse("expected either from or view, found both");
         }
         let at = match table.at {
             None | Some(At::Center(_)) => None,
@@ -57,7 +53,8 @@ pub(super) fn of(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, Us
             (false, _) => Projection::Perspective { fov },
         };
         let up = table.up.unwrap_or([0.0, 0.0, 1.0]);
-        return Ok(Viewpoint::At { from, at, up, projection });
+        let orbit = args.orbit.or(table.orbit).unwrap_or(0.0);
+        return Ok(Viewpoint::At { from, at, up, orbit, projection });
     }
     if table.from.is_none() && (table.at.is_some() || table.up.is_some() || table.height.is_some())
     {
@@ -76,20 +73,18 @@ pub(super) fn of(args: &RenderArgs, table: &CameraTable) -> Result<Viewpoint, Us
 }
 
 /// The way around, in as many steps.
-pub(super) fn around(viewpoint: Viewpoint, frames: usize) -> Result<Vec<Viewpoint>, UsageError> {
-    match viewpoint {
-        _ if frames == 1 => Ok(vec![viewpoint]),
-        Viewpoint::Framed { side, orbit, fov, .. } => {
-            let step = 360.0 / frames as f64;
-            let at = |n: usize| {
-                let orbit = orbit + step * n as f64;
-                Viewpoint::Framed { side, orbit, fov, turns: true }
-            };
-            Ok((0..frames).map(at).collect())
+pub(super) fn around(viewpoint: Viewpoint, frames: usize) -> Vec<Viewpoint> {
+    let at = |n: usize| {
+        let further = 360.0 / frames as f64 * n as f64;
+        match viewpoint {
+            _ if frames == 1 => viewpoint,
+            Viewpoint::Framed { side, orbit, fov, .. } => {
+                Viewpoint::Framed { side, orbit: orbit + further, fov, turns: true }
+            }
+            Viewpoint::At { from, at, up, orbit, projection } => {
+                Viewpoint::At { from, at, up, orbit: orbit + further, projection }
+            }
         }
-        Viewpoint::At { .. } => {
-            let says = "--frames goes around what is seen from a side: add --view";
-            Err(UsageError(says.into()))
-        }
-    }
+    };
+    (0..frames).map(at).collect()
 }

@@ -1,5 +1,9 @@
 //! Slices handed over from files.
 
+mod part;
+
+pub use part::PartSlices;
+
 use super::{
     open::VolumeFile,
     stored::{Coding, Order},
@@ -30,6 +34,8 @@ pub struct FileSlices<T> {
     /// Those of them that the reader has not gone past yet. It does when it is asked for more.
     behind: u64,
     turned: Vec<T>,
+    /// Whole rows, of which some samples are wanted.
+    rows: Vec<T>,
 }
 
 /// Planes of x that are turned at a time: as many samples as fit one line of the cache, and more.
@@ -37,7 +43,7 @@ const PLANES: usize = 32;
 
 impl<T: Sample> FileSlices<T> {
     pub(super) fn new(file: VolumeFile) -> Self {
-        Self { file, reader: None, done: 0, behind: 0, turned: vec![] }
+        Self { file, reader: None, done: 0, behind: 0, turned: vec![], rows: vec![] }
     }
 
     /// Goes past slices without looking at them; in a file that is not packed without reading them. There
@@ -55,6 +61,35 @@ impl<T: Sample> FileSlices<T> {
         if within + samples >= per_file {
             self.reader = None;
         }
+    }
+
+    /// Fills `part` with some rows of the next slice, and of each row with some samples; in a file that is not packed the
+    /// rows before and behind them are not read.
+    pub(super) fn fill_part(
+        &mut self,
+        [x, y]: &[Range<usize>; 2],
+        part: &mut [T],
+    ) -> Result<(), ReadError> {
+        let [nx, ny, _] = self.file.grid.dims().map(|n| n as usize);
+        if self.file.stored.order == Order::ZFastest {
+            self.turn_once()?;
+            let slice = &self.turned[self.done as usize..][..nx * ny];
+            copy_rows(slice, (nx, y.start), x, part);
+            self.done += (nx * ny) as u64;
+            return Ok(());
+        }
+        self.pass((nx * y.start) as u64);
+        if x.len() == nx {
+            self.read(part)?;
+        } else {
+            let mut rows = std::mem::take(&mut self.rows);
+            rows.resize(nx * y.len(), T::default());
+            self.read(&mut rows)?;
+            copy_rows(&rows, (nx, 0), x, part);
+            self.rows = rows;
+        }
+        self.pass((nx * (ny - y.end)) as u64);
+        Ok(())
     }
 
     /// All samples of a file that has z fastest, x fastest.
@@ -81,6 +116,16 @@ impl<T: Sample> FileSlices<T> {
             job.progress.advance(some as u64);
         }
         Ok(samples)
+    }
+
+    fn turn_once(&mut self) -> Result<(), ReadError> {
+        if self.turned.is_empty() {
+            let job = self.file.job.clone();
+            let done = std::mem::take(&mut self.done);
+            self.turned = self.turn(&job)?;
+            self.done = done;
+        }
+        Ok(())
     }
 
     /// The next samples in the order of the files.
@@ -196,6 +241,14 @@ impl<T: Sample> FileSlices<T> {
     }
 }
 
+/// Of rows of `nx` samples, from one on, those in a range.
+fn copy_rows<T: Copy>(rows: &[T], (nx, from): (usize, usize), x: &Range<usize>, part: &mut [T]) {
+    let rows = rows.chunks_exact(nx).skip(from);
+    for (into, row) in part.chunks_exact_mut(x.len()).zip(rows) {
+        into.copy_from_slice(&row[x.clone()]);
+    }
+}
+
 fn skip_numbers(reader: &mut Bytes, file: &VolumeFile, count: u64) -> Result<(), ReadFault> {
     let mut text = String::new();
     for _ in 0..count {
@@ -221,12 +274,7 @@ impl<T: Sample> SlabSource<T> for FileSlices<T> {
         if self.file.stored.order == Order::XFastest {
             return self.read(slices);
         }
-        if self.turned.is_empty() {
-            let job = self.file.job.clone();
-            let done = std::mem::take(&mut self.done);
-            self.turned = self.turn(&job)?;
-            self.done = done;
-        }
+        self.turn_once()?;
         let start = self.done as usize;
         slices.copy_from_slice(&self.turned[start..start + slices.len()]);
         self.done += slices.len() as u64;

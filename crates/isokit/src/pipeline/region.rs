@@ -43,6 +43,14 @@ pub enum RegionError {
         /// Samples along the axis.
         size: u64,
     },
+    /// A part that the lattice has, and of which samples were not read.
+    #[error("samples {part:?} along x, y, z: of the file only {read:?} were read")]
+    Unread {
+        /// What was asked for.
+        part: [Range<usize>; 3],
+        /// What is there.
+        read: [Range<usize>; 3],
+    },
     /// A box in which the volume has no sample.
     #[error(
         "the box lies outside of the volume, which reaches from {:?} to {:?}", bounds.min, bounds.max

@@ -1,26 +1,34 @@
 //! A volume on its way to a mesh.
 
+mod mesh;
+
 use crate::pipeline::{
-    Index, IsoChoice, Normals, PipelineError, Region, RegionError, Remark, SurfaceOptions,
-    TargetSpace, UnknownSpace, attribute::source_of, error::in_whole, index, iso::Facts,
+    Index, IsoChoice, Lattice, PipelineError, Region, RegionError, ScanFile, TargetSpace,
+    UnknownSpace,
+    attribute::source_of,
+    index,
+    iso::Facts,
+    lattice::{count, frame_at},
 };
 use isokit_geom::{Aabb, Frame, Space};
-use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions, open_volume};
+use isokit_io::{BrickFile, Format, MeshContext, VolumeOptions};
 use isokit_job::{Cancelled, Job, Stopped};
-use isokit_marching_cubes::{Extracted, Source, extract_many};
-use isokit_mesh::{Counts, TriMesh, area_normals};
 use isokit_volume::{
     AnyBricks, AnyVolume, Bricks, Histogram, Sample, Statistics, View, Volume, for_any, halved,
 };
-use std::{borrow::Cow, ops::Range, path::Path, slice, sync::OnceLock};
+use std::{borrow::Cow, ops::Range, path::Path, sync::OnceLock};
 
 /// A volume, the part of it that is looked at, and what was found out about that part so far.
 #[derive(Clone, Debug)]
 pub struct Scan {
     volume: AnyVolume,
+    /// Which samples of the lattice those of the volume are.
+    held: [Range<usize>; 3],
+    /// Which of them were read; the others are 0.
+    read: [Range<usize>; 3],
     /// Where the samples were before they were placed elsewhere.
     pub(super) source: Frame,
-    part: [Range<usize>; 3],
+    lattice: Lattice,
     format: Option<Format>,
     notes: Vec<String>,
     /// Where an index of the whole volume is kept.
@@ -43,8 +51,8 @@ impl Scan {
         Self::open(path.as_ref(), &options, space, &Region::Whole, job)
     }
 
-    /// Reads a scan from a file. Whether it has the part, and axes that can be turned, is found out
-    /// before the samples are read.
+    /// Reads a scan from a file, and of its samples those of the part. Whether it has the part, and axes that can be turned,
+    /// is found out before they are read.
     ///
     /// # Errors
     ///
@@ -56,25 +64,32 @@ impl Scan {
         region: &Region,
         job: &Job,
     ) -> Result<Self, PipelineError> {
-        let file = open_volume(path, options, job)?;
-        let mut grid = *file.grid();
-        grid.frame = space.place(grid.frame)?;
-        region.samples(&grid)?;
-        let (format, notes) = (file.format(), file.notes().to_vec());
-        let index_file = file.bricks().ok();
-        let scan = Self::new(file.collect(job)?).placed(space)?.cropped(region)?;
-        Ok(Self { format: Some(format), notes, index_file, ..scan })
+        ScanFile::open(path, options, space, region, job)?.read(job)
+    }
+
+    /// What was read of a file: the part of a lattice, and of that what was read.
+    pub(super) fn of_file(
+        mut volume: AnyVolume,
+        (source, lattice, read): (Frame, Lattice, [Range<usize>; 3]),
+        (format, notes, index_file): (Format, Vec<String>, Option<BrickFile>),
+    ) -> Self {
+        let held = lattice.part();
+        volume.set_frame(frame_at(lattice.frame(), &held));
+        let format = Some(format);
+        Self { held, read, source, lattice, format, notes, index_file, ..Self::new(volume) }
     }
 
     /// Samples from elsewhere, all of them, where they are.
     pub fn new(volume: impl Into<AnyVolume>) -> Self {
         let volume = volume.into();
-        // What is in memory is numbered by its address space.
-        let part = volume.grid().dims().map(|n| 0..n as usize);
+        let lattice = Lattice::new(*volume.grid(), &Region::Whole);
+        let lattice = lattice.expect("all of a lattice is a part of it");
         Self {
             source: volume.grid().frame,
+            held: lattice.part(),
+            read: lattice.part(),
             volume,
-            part,
+            lattice,
             format: None,
             notes: vec![],
             index_file: None,
@@ -91,7 +106,9 @@ impl Scan {
     ///
     /// If RAS or LPS is wanted and the scan does not say which way its axes point.
     pub fn placed(mut self, space: TargetSpace) -> Result<Self, UnknownSpace> {
-        self.volume.set_frame(space.place(self.volume.grid().frame)?);
+        let frame = space.place(*self.frame())?;
+        self.lattice = self.lattice.placed(frame);
+        self.volume.set_frame(frame_at(self.lattice.frame(), &self.held));
         Ok(self)
     }
 
@@ -100,12 +117,18 @@ impl Scan {
     ///
     /// # Errors
     ///
-    /// If there is no such part.
+    /// If there is no such part, or if it was not read.
     pub fn cropped(self, region: &Region) -> Result<Self, RegionError> {
-        let part = region.samples(self.volume.grid())?;
-        let part = part.map(|range| range.start as usize..range.end as usize);
+        let lattice = Lattice::new(*self.lattice.whole(), region)?;
+        let part = lattice.part();
+        let is_read =
+            |k: usize| self.read[k].start <= part[k].start && part[k].end <= self.read[k].end;
+        if !(0..3).all(is_read) {
+            return Err(RegionError::Unread { part, read: self.read });
+        }
         Ok(Self {
-            part,
+            read: part,
+            lattice,
             part_bricks: OnceLock::new(),
             statistics: OnceLock::new(),
             histogram: OnceLock::new(),
@@ -142,24 +165,39 @@ impl Scan {
         Self { format: self.format, notes: self.notes.clone(), source, ..new }
     }
 
-    /// The whole volume, of which a part may be looked at.
+    /// The samples in memory: all of the lattice, or the part of it that a file was read for.
     pub fn volume(&self) -> &AnyVolume {
         &self.volume
     }
 
-    /// The samples that are looked at, along x, y, z.
+    /// Where the samples are.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// The samples that are looked at along x, y, z, of the whole lattice.
     pub fn part(&self) -> [Range<usize>; 3] {
-        self.part.clone()
+        self.lattice.part()
+    }
+
+    /// Those of them that were read; of others nothing is known.
+    pub fn samples_read(&self) -> [Range<usize>; 3] {
+        self.read.clone()
     }
 
     /// Whether not all samples are looked at.
     pub fn is_cropped(&self) -> bool {
-        self.part.iter().zip(self.volume.grid().dims()).any(|(part, n)| part.len() as u64 != n)
+        self.lattice.is_cropped()
     }
 
-    /// Index space of the whole volume to world space.
+    /// Whether some of the samples that are looked at were not read.
+    pub fn is_read_in_part(&self) -> bool {
+        count(&self.read) < self.lattice.count()
+    }
+
+    /// Index space of the whole lattice to world space.
     pub fn frame(&self) -> &Frame {
-        &self.volume.grid().frame
+        self.lattice.frame()
     }
 
     /// What a file says of the world of this scan's meshes, and of the command that made them.
@@ -178,7 +216,7 @@ impl Scan {
         &self.notes
     }
 
-    /// Range and NaN of the part. Looked for once.
+    /// Range and NaN of the part, as far as it was read. Looked for once.
     ///
     /// # Errors
     ///
@@ -188,14 +226,14 @@ impl Scan {
             return Ok(*known);
         }
         let found = for_any!(&self.volume, volume => {
-            let view = self.view(volume);
+            let view = self.seen(volume);
             let told = self.bricks.as_ref().and_then(|bricks| index::statistics(bricks, &view));
             told.map_or_else(|| Statistics::of(&view, job), Ok)
         })?;
         Ok(*self.statistics.get_or_init(|| found))
     }
 
-    /// How often each value occurs in the part; `None` if none is finite. Counted once.
+    /// How often each value occurs in the part, as far as it was read; `None` if none is finite. Counted once.
     ///
     /// # Errors
     ///
@@ -205,7 +243,7 @@ impl Scan {
             return Ok(known.as_ref());
         }
         let (statistics, found) = for_any!(&self.volume, volume => {
-            Histogram::with_statistics(&self.view(volume), self.statistics.get(), job)
+            Histogram::with_statistics(&self.seen(volume), self.statistics.get(), job)
         })?;
         self.statistics.get_or_init(|| statistics);
         Ok(self.histogram.get_or_init(|| found).as_ref())
@@ -238,128 +276,26 @@ impl Scan {
 
     /// Finds out where in the volume which values occur, so that surfaces are made sooner: the same, byte
     /// for byte. Of a scan from a file that is kept in a file beside it, and read from there where it is
-    /// of the volume as it is. It is of all of the volume, whatever part is looked at now or later.
+    /// of the volume as it is. It is of all samples in memory, whatever part is looked at now or later; so it is kept
+    /// only if the whole volume was read.
     ///
     /// # Errors
     ///
     /// If the job is cancelled or allows less memory. That nothing could be kept is no error.
     pub fn index(&mut self, job: &Job) -> Result<Index, PipelineError> {
-        let (bricks, found) = for_any!(&self.volume, volume => {
+        let (bricks, mut found) = for_any!(&self.volume, volume => {
             index::of(self.index_file.as_ref(), || Bricks::of(&volume.view(), job))
         })?;
+        if self.volume.grid().dims() != self.lattice.whole().dims() {
+            found = Index::NotKept(Some("of the volume only a part was read".into()));
+        }
         self.bricks = Some(bricks);
         Ok(found)
     }
 
-    /// The surface where the value is `iso`.
-    ///
-    /// # Errors
-    ///
-    /// If the isovalue is not finite, if there is NaN and the options forbid it, if 32 bits cannot
-    /// number the vertices, or if the job is cancelled or allows less memory.
-    pub fn mesh(
-        &self,
-        iso: f64,
-        options: &SurfaceOptions,
-        job: &Job,
-    ) -> Result<TriMesh, PipelineError> {
-        let mut mesh = TriMesh::default();
-        self.mesh_into(iso, options, &mut mesh, job)?;
-        Ok(mesh)
-    }
-
-    /// The same in the memory of a used mesh.
-    ///
-    /// # Errors
-    ///
-    /// As [`mesh`](Self::mesh).
-    pub fn mesh_into(
-        &self,
-        iso: f64,
-        options: &SurfaceOptions,
-        mesh: &mut TriMesh,
-        job: &Job,
-    ) -> Result<(), PipelineError> {
-        self.meshes_into(&[iso], options, slice::from_mut(mesh), job).map(drop)
-    }
-
-    /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
-    /// of a used mesh. What comes back says too what an index told not to do; an index by which the
-    /// surfaces go through more than a sixteenth of the part is left aside, for then to ask it takes longer.
-    ///
-    /// # Errors
-    ///
-    /// As [`mesh`](Self::mesh).
-    ///
-    /// # Panics
-    ///
-    /// If there are not as many meshes as isovalues.
-    pub fn meshes_into(
-        &self,
-        isos: &[f64],
-        options: &SurfaceOptions,
-        meshes: &mut [TriMesh],
-        job: &Job,
-    ) -> Result<Vec<Extracted>, PipelineError> {
-        self.meshes_of_part(&self.part, isos, options, meshes, job)
-    }
-
-    /// The same in a part of the whole volume, which must have it.
-    pub(crate) fn meshes_of_part(
-        &self,
-        part: &[Range<usize>; 3],
-        isos: &[f64],
-        options: &SurfaceOptions,
-        meshes: &mut [TriMesh],
-        job: &Job,
-    ) -> Result<Vec<Extracted>, PipelineError> {
-        for mesh in &mut *meshes {
-            match options.normals {
-                Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
-                Normals::Area | Normals::None => mesh.normals = None,
-            }
-        }
-        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
-        let extracted = for_any!(&self.volume, volume => {
-            let view = part_of(volume, part);
-            let known = self.known(volume, part, isos);
-            let source = known.as_deref().and_then(|bricks| Source::with_bricks(&view, bricks));
-            let source = source.unwrap_or(Source::from(&view));
-            extract_many(source, isos, &options.extract, &mut sinks, job)
-        });
-        let mut extracted = extracted.map_err(|error| in_whole(error, part))?;
-        drop(sinks);
-        if options.normals == Normals::Area {
-            meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
-        }
-        if self.bricks.is_some() {
-            // Of an index that was left aside no brick is skipped.
-            let bricks = index::bricks_of_part(self.volume.grid().dims(), part);
-            extracted.iter_mut().for_each(|one| one.skipped.bricks = bricks);
-        }
-        Ok(extracted)
-    }
-
-    /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the
-    /// samples only where the counts raise the question.
-    ///
-    /// # Errors
-    ///
-    /// If the job is cancelled.
-    pub fn remark(
-        &self,
-        iso: f64,
-        counts: Counts,
-        options: &SurfaceOptions,
-        job: &Job,
-    ) -> Result<Option<Remark>, PipelineError> {
-        let dims = self.part.each_ref().map(|range| range.len());
-        Remark::among(self, dims, (iso, counts), options, job)
-    }
-
     /// The box of the part in the world, and the world's axes.
     pub fn around(&self) -> (Aabb, Space) {
-        (for_any!(&self.volume, volume => self.view(volume).grid().bounds()), self.frame().space)
+        self.lattice.around()
     }
 
     /// What an index tells of a part, where surfaces are sooner made with it.
@@ -369,17 +305,37 @@ impl Scan {
         part: &[Range<usize>; 3],
         isos: &[f64],
     ) -> Option<Cow<'a, Bricks<T>>> {
-        let known = index::of_part(self.bricks.as_ref()?, part)?;
+        let known = index::of_part(self.bricks.as_ref()?, &self.within(part))?;
         index::is_worth_it(&known, volume.scaling(), isos).then_some(known)
     }
 
     pub(crate) fn view<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
-        part_of(volume, &self.part)
+        self.part_of(volume, &self.part())
     }
-}
 
-fn part_of<'a, T: Sample>(volume: &'a Volume<T>, part: &[Range<usize>; 3]) -> View<'a, T> {
-    volume.view().part(part.clone()).expect("the part was checked against the volume")
+    /// What of the part was read.
+    fn seen<'a, T: Sample>(&self, volume: &'a Volume<T>) -> View<'a, T> {
+        self.part_of(volume, &self.read)
+    }
+
+    /// A part of the lattice, every sample where it is in the whole.
+    fn part_of<'a, T: Sample>(
+        &self,
+        volume: &'a Volume<T>,
+        part: &[Range<usize>; 3],
+    ) -> View<'a, T> {
+        let view = volume.view().part(self.within(part));
+        let view = view.expect("the part was checked against the volume");
+        view.with_frame(frame_at(self.frame(), part))
+    }
+
+    /// Where a part of the lattice is in memory.
+    fn within(&self, part: &[Range<usize>; 3]) -> [Range<usize>; 3] {
+        std::array::from_fn(|k| {
+            let first = self.held[k].start;
+            part[k].start - first..part[k].end - first
+        })
+    }
 }
 
 impl Facts for Scan {

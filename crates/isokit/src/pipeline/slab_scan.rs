@@ -1,14 +1,12 @@
 //! A volume on its way to a mesh, of which a few slices are in memory at a time.
 
-mod part;
-
 use crate::pipeline::{
-    Index, IsoChoice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
+    Index, IsoChoice, Lattice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
     error::in_whole, index, iso::Facts,
 };
 use isokit_geom::Frame;
 use isokit_io::{
-    Format, MeshContext, ReadError, ReadFault, VolumeFile, VolumeOptions, open_volume,
+    Format, MeshContext, PartSlices, ReadError, ReadFault, VolumeFile, VolumeOptions, open_volume,
 };
 use isokit_job::{Job, OverLimit};
 use isokit_marching_cubes::{Budget, ExtractError, Extracted, SlabError, Slabs, extract_slabs};
@@ -17,7 +15,6 @@ use isokit_volume::{
     AnyBricks, BrickGrid, Bricks, Dtype, Grid, Histogram, Observed, Sample, Scaling, Statistics,
     for_dtype,
 };
-use part::PartSlices;
 use std::{borrow::Cow, ops::Range, path::Path, sync::OnceLock};
 
 /// A [`Scan`](crate::pipeline::Scan) that stays in its file: each look at the samples reads them again.
@@ -25,9 +22,8 @@ use std::{borrow::Cow, ops::Range, path::Path, sync::OnceLock};
 #[derive(Clone, Debug)]
 pub struct SlabScan {
     file: VolumeFile,
-    /// The whole lattice, where it was wanted.
-    whole: Grid,
-    part: [Range<usize>; 3],
+    /// The whole lattice, where it was wanted, and the part that is.
+    lattice: Lattice,
     /// Whether extractions look for range and NaN by the way.
     is_observed: bool,
     /// Of the whole lattice.
@@ -62,10 +58,9 @@ impl SlabScan {
         }
         let mut whole = *file.grid();
         whole.frame = space.place(whole.frame)?;
-        let part = region.samples(&whole)?;
-        let part = part.map(|range| range.start as usize..range.end as usize);
+        let lattice = Lattice::new(whole, region)?;
         let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { file, whole, part, is_observed: false, bricks: None, statistics, histogram })
+        Ok(Self { file, lattice, is_observed: false, bricks: None, statistics, histogram })
     }
 
     /// The same scan, with range and NaN looked for by the way in the next extraction, unless an [index](Self::index) tells
@@ -76,7 +71,7 @@ impl SlabScan {
 
     /// The whole lattice, of which a part may be looked at.
     pub fn grid(&self) -> &Grid {
-        &self.whole
+        self.lattice.whole()
     }
 
     /// The type of the samples.
@@ -91,17 +86,17 @@ impl SlabScan {
 
     /// The samples that are looked at, along x, y, z.
     pub fn part(&self) -> [Range<usize>; 3] {
-        self.part.clone()
+        self.lattice.part()
     }
 
     /// Whether not all samples are looked at.
     pub fn is_cropped(&self) -> bool {
-        self.part.iter().zip(self.whole.dims()).any(|(part, n)| part.len() as u64 != n)
+        self.lattice.is_cropped()
     }
 
     /// Index space of the whole volume to world space.
     pub fn frame(&self) -> &Frame {
-        &self.whole.frame
+        self.lattice.frame()
     }
 
     /// What a file says of the world of this scan's meshes, and of the command that made them.
@@ -185,7 +180,7 @@ impl SlabScan {
     pub fn index_bytes(&self) -> u64 {
         // Least, greatest and NaN: of the whole, of the part, of slices, and while they come from a file.
         let per_brick = 12 * self.dtype().bytes() as u64 + 16;
-        let dims = self.whole.dims().map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+        let dims = self.grid().dims().map(|n| usize::try_from(n).unwrap_or(usize::MAX));
         BrickGrid::new(dims)
             .count()
             .and_then(|count| count.checked_mul(per_brick))
@@ -206,10 +201,10 @@ impl SlabScan {
     ) -> Result<Budget, OverLimit> {
         // Of a file whose rows are cut off, one slice is read whole.
         let slice = match self.is_row_cut() {
-            true => self.whole.slice_count().saturating_mul(self.dtype().bytes() as u64),
+            true => self.grid().slice_count().saturating_mul(self.dtype().bytes() as u64),
             false => 0,
         };
-        let of = (&self.part_grid(), self.dtype());
+        let of = (&self.lattice.part_grid(), self.dtype());
         let left = bytes.saturating_sub(slice);
         Budget::within(left, of, (surfaces, pieces), &options.extract).map_err(|over| OverLimit {
             needed: over.needed.saturating_add(slice),
@@ -238,7 +233,7 @@ impl SlabScan {
     {
         let slabs = Slabs { isos, options: &options.extract, budget };
         let found = for_dtype!(self.dtype(), T => {
-            let known = self.bricks.as_ref().and_then(|bricks| index::of_part(bricks, &self.part));
+            let known = self.bricks.as_ref().and_then(|bricks| index::of_part(bricks, &self.part()));
             let known = known.map(Cow::into_owned);
             let mut source = self.source::<T>(job)?.with_bricks(known);
             if self.bricks.is_none() && self.is_observed && self.statistics.get().is_none() {
@@ -255,7 +250,7 @@ impl SlabScan {
         let mut found = found.map_err(|error| self.of_slabs(error))?;
         if self.bricks.is_some() {
             // Of an index that was left aside no brick is skipped.
-            let bricks = index::bricks_of_part(self.whole.dims(), &self.part);
+            let bricks = index::bricks_of_part(self.grid().dims(), &self.part());
             found.iter_mut().for_each(|one| one.skipped.bricks = bricks);
         }
         Ok(found)
@@ -273,7 +268,7 @@ impl SlabScan {
             SlabError::Extract(error) => match error.into_sink() {
                 Ok(error) => error.into(),
                 Err(ExtractError::Stopped(stopped)) => stopped.into(),
-                Err(error) => in_whole(error, &self.part).into(),
+                Err(error) => in_whole(error, &self.part()).into(),
             },
         }
     }
@@ -291,7 +286,7 @@ impl SlabScan {
         options: &SurfaceOptions,
         job: &Job,
     ) -> Result<Option<Remark>, PipelineError> {
-        let dims = self.part.each_ref().map(|range| range.len());
+        let dims = self.part().map(|range| range.len());
         Remark::among(self, dims, (iso, counts), options, job)
     }
 
@@ -301,23 +296,14 @@ impl SlabScan {
     }
 
     fn is_row_cut(&self) -> bool {
-        let [nx, ny, _] = self.whole.dims();
-        [self.part[0].len() as u64, self.part[1].len() as u64] != [nx, ny]
-    }
-
-    /// The lattice of the part, where it was in the whole.
-    fn part_grid(&self) -> Grid {
-        let frame = self.whole.frame;
-        let start = self.part.each_ref().map(|range| range.start);
-        // A sample of the volume lies in finite space, or its file would have been refused.
-        let frame = frame.starting_at(start).unwrap_or(frame);
-        let dims = self.part.each_ref().map(|range| range.len() as u64);
-        Grid::new(dims, frame).expect("a part of a lattice")
+        let ([nx, ny, _], [x, y, _]) = (self.grid().dims(), self.part());
+        [x.len() as u64, y.len() as u64] != [nx, ny]
     }
 
     fn source<T: Sample>(&self, job: &Job) -> Result<PartSlices<T>, ReadError> {
-        let source = self.file.clone().with_job(job).into_source()?;
-        Ok(PartSlices::new(source, self.part_grid(), self.part.clone()))
+        let part = self.part().map(|range| range.start as u64..range.end as u64);
+        let slices = self.file.clone().with_job(job).into_part(part)?;
+        Ok(slices.at(self.lattice.part_grid().frame))
     }
 }
 

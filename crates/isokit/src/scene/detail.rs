@@ -1,7 +1,7 @@
 //! How much detail a picture can show: samples that are nearer to each other than its pixels need not be looked at.
 
 use super::{Scene, SceneError, Viewpoint, needs::Views};
-use crate::pipeline::Scan;
+use crate::pipeline::{Lattice, Scan};
 use isokit_geom::Aabb;
 use isokit_job::Job;
 use isokit_lanes::Side;
@@ -33,11 +33,11 @@ impl Scene {
     ///
     /// If a camera sees nothing.
     pub fn halvings(
-        scan: &Scan,
+        lattice: &Lattice,
         bounds: Aabb,
         (viewpoints, size): (&[Viewpoint], Size),
     ) -> Result<[u32; 3], SceneError> {
-        let space = scan.around().1;
+        let space = lattice.frame().space;
         let mut pixel = f64::INFINITY;
         for viewpoint in viewpoints {
             let camera = viewpoint.camera((bounds, space), size)?;
@@ -49,7 +49,7 @@ impl Scene {
             let height = 2.0 * nearest / camera.magnification();
             pixel = pixel.min(height / f64::from(size.height.get()));
         }
-        let (affine, part) = (scan.frame().index_to_world, scan.part());
+        let (affine, part) = (lattice.frame().index_to_world, lattice.part());
         let spacing = affine.spacing();
         Ok(std::array::from_fn(|k| {
             // Beyond some distance there is no map from samples to the world.
@@ -80,14 +80,14 @@ impl Scene {
     ) -> Result<OnScreen, SceneError> {
         self.check_names()?;
         let (around, is_surrounded) = (scan.around().0, self.raster.needs_surroundings());
-        let views = self.views(scan, camera, is_surrounded)?;
-        let mut halvings = Self::halvings(scan, around, camera)?;
+        let views = self.views(scan.lattice(), camera, is_surrounded)?;
+        let mut halvings = Self::halvings(scan.lattice(), around, camera)?;
         loop {
             let coarse = scan.halved(halvings, job)?;
             let meshes = self.meshes_in(coarse.as_ref().unwrap_or(scan), &views, job)?;
             // Pictures are framed by the surfaces, which are less than the scan.
             let bounds = self.extent(&meshes).unwrap_or(around);
-            let needed = Self::halvings(scan, bounds, camera)?;
+            let needed = Self::halvings(scan.lattice(), bounds, camera)?;
             if (0..3).any(|k| needed[k] < halvings[k]) {
                 halvings = std::array::from_fn(|k| needed[k].min(halvings[k]));
                 continue;
@@ -108,7 +108,8 @@ impl Scene {
         views: &Views,
         job: &Job,
     ) -> Result<(u64, u64), SceneError> {
-        let isos = self.surfaces.iter().filter(|look| self.part_of(look, scan, views).is_ok());
+        let isos = self.surfaces.iter();
+        let isos = isos.filter(|look| self.part_of(look, scan.lattice(), views).is_ok());
         let isos: Vec<f64> = isos.filter_map(|look| look.iso).collect();
         let mut counts = (0, 0);
         for_any!(scan.volume(), volume => {

@@ -27,23 +27,14 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// The function for a scan.
-    ///
-    /// # Errors
-    ///
-    /// If the scan's values give no threshold and one is needed, or if the job is cancelled.
-    pub fn transfer(self, scan: &Scan, job: &Job) -> Result<TransferFunction, SceneError> {
-        let points = match self {
-            Self::Auto => {
-                let low = scan.iso(IsoChoice::Auto, job)?;
-                let high = scan.iso(IsoChoice::Percent(100.0), job)?;
-                let at = |share: f64| low * (1.0 - share) + high * share;
-                vec![
-                    point(low, [0xb0, 0x60, 0x40, 0]),
-                    point(at(0.25), [0xd8, 0xa5, 0x70, 24]),
-                    point(at(1.0), [0xff, 0xf6, 0xe6, 200]),
-                ]
-            }
+    /// The function, if it is the same for all scans: then no sample is looked at.
+    pub fn known(self) -> Option<TransferFunction> {
+        TransferFunction::new(self.fixed()).ok()
+    }
+
+    /// The points of a function that is the same for all scans; of others none.
+    fn fixed(self) -> Vec<ControlPoint> {
+        match self {
             Self::CtBone => vec![
                 point(150.0, [0xc8, 0x90, 0x60, 0]),
                 point(300.0, [0xe8, 0xdc, 0xc0, 90]),
@@ -57,6 +48,28 @@ impl Preset {
                 point(350.0, [0xe8, 0xdc, 0xc0, 120]),
                 point(1200.0, [0xff, 0xfa, 0xf0, 230]),
             ],
+            Self::Auto | Self::Mr | Self::Density => vec![],
+        }
+    }
+
+    /// The function for a scan.
+    ///
+    /// # Errors
+    ///
+    /// If the scan's values give no threshold and one is needed, or if the job is cancelled.
+    pub fn transfer(self, scan: &Scan, job: &Job) -> Result<TransferFunction, SceneError> {
+        let points = match self {
+            Self::CtBone | Self::CtSkin => self.fixed(),
+            Self::Auto => {
+                let low = scan.iso(IsoChoice::Auto, job)?;
+                let high = scan.iso(IsoChoice::Percent(100.0), job)?;
+                let at = |share: f64| low * (1.0 - share) + high * share;
+                vec![
+                    point(low, [0xb0, 0x60, 0x40, 0]),
+                    point(at(0.25), [0xd8, 0xa5, 0x70, 24]),
+                    point(at(1.0), [0xff, 0xf6, 0xe6, 200]),
+                ]
+            }
             Self::Mr => {
                 let low = scan.iso(IsoChoice::Auto, job)?;
                 let histogram = scan.histogram(job)?.ok_or(no_values("it has no finite value"))?;

@@ -3,6 +3,7 @@
 mod beside;
 mod colors;
 mod detail;
+mod read;
 
 use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};
 use crate::pipeline::Scan;
@@ -46,6 +47,7 @@ fn scene() -> Scene {
             from: [0.0, 60.0, 0.0],
             at: Some([0.0; 3]),
             up: [0.0, 0.0, 1.0],
+            orbit: 0.0,
             projection: Projection::Parallel { height: 60.0 },
         },
         raster,
@@ -189,7 +191,7 @@ fn a_camera_at_a_place_looks_at_the_same_middle_whatever_planes_leave() {
     let look = |clips: Vec<Clip>| {
         let projection = Projection::Parallel { height: 60.0 };
         let (from, up) = ([0.0, 60.0, 0.0], [0.0, 0.0, 1.0]);
-        let viewpoint = Viewpoint::At { from, at: None, up, projection };
+        let viewpoint = Viewpoint::At { from, at: None, up, orbit: 0.0, projection };
         drawn(&Scene { clips, viewpoint, ..scene() }, &scan).unwrap()
     };
     let half = HalfSpace::new([1.0, 0.0, 0.0], 0.0).unwrap();
@@ -343,7 +345,7 @@ fn a_value_on_the_surface_is_inside_of_it_for_rays_and_caps_too() {
     let scan = Scan::new(volume);
     let projection = Projection::Perspective { fov: 30.0 };
     let (from, up) = ([4.0, 7.0, 4.0], [0.0, 0.0, 1.0]);
-    let viewpoint = Viewpoint::At { from, at: Some([4.0, 0.0, 4.0]), up, projection };
+    let viewpoint = Viewpoint::At { from, at: Some([4.0, 0.0, 4.0]), up, orbit: 0.0, projection };
     let surfaces = vec![look("all", scaling.value(7.0), RED, 0.5)];
     let inside = Scene { surfaces, viewpoint, ..scene() };
     // From within one looks through one wall, by either way.

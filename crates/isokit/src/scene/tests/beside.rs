@@ -10,7 +10,8 @@ use isokit_render::{Image, Projection, RasterOptions, Side, Size};
 /// The scene from a place near it, looking at a part of it.
 fn near(at: [f64; 3], projection: Projection) -> Scene {
     let from = [2.0, 45.0, -3.0];
-    let viewpoint = Viewpoint::At { from, at: Some(at), up: [0.0, 0.0, 1.0], projection };
+    let viewpoint =
+        Viewpoint::At { from, at: Some(at), up: [0.0, 0.0, 1.0], orbit: 0.0, projection };
     Scene { viewpoint, ..scene() }
 }
 

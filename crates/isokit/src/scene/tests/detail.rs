@@ -17,7 +17,7 @@ fn size(n: u32) -> Size {
 }
 
 fn from(place: [f64; 3], projection: Projection) -> Viewpoint {
-    Viewpoint::At { from: place, at: Some([0.0; 3]), up: [0.0, 0.0, 1.0], projection }
+    Viewpoint::At { from: place, at: Some([0.0; 3]), up: [0.0, 0.0, 1.0], orbit: 0.0, projection }
 }
 
 /// The mean of what parts of colours differ by.
@@ -36,14 +36,14 @@ fn samples_are_halved_as_long_as_they_are_no_farther_apart_than_pixels() {
     {
         let viewpoints = [from([0.0, 60.0, 0.0], parallel)];
         let camera = (&viewpoints[..], size(pixels));
-        let found = Scene::halvings(&scan, scan.around().0, camera).unwrap();
+        let found = Scene::halvings(scan.lattice(), scan.around().0, camera).unwrap();
         assert_eq!(found, expected, "{pixels}");
     }
     // Of two viewpoints the nearer one counts, and in a perspective the nearest corner.
     let perspective = Projection::Perspective { fov: 60.0 };
     let [far, near] = [400.0, 60.0].map(|y| from([0.0, y, 0.0], perspective));
     let of = |viewpoints: &[Viewpoint]| {
-        Scene::halvings(&scan, scan.around().0, (viewpoints, size(60))).unwrap()
+        Scene::halvings(scan.lattice(), scan.around().0, (viewpoints, size(60))).unwrap()
     };
     assert_eq!(of(&[far]), [2, 3, 2]);
     assert_eq!([of(&[near]), of(&[far, near])], [[0; 3]; 2]);
@@ -59,7 +59,7 @@ fn samples_are_not_halved_beyond_what_has_a_place_in_the_world() {
     let far = Scan::new(Volume::new(grid, vec![0_u8; 8000]).unwrap());
     let viewpoints = [from([0.0, 1e77, 0.0], Projection::Parallel { height: 1e77 })];
     let camera = (&viewpoints[..], size(1));
-    let halvings = Scene::halvings(&far, far.around().0, camera).unwrap();
+    let halvings = Scene::halvings(far.lattice(), far.around().0, camera).unwrap();
     assert_eq!(halvings, [2, 1, 0]);
     assert!(far.halved(halvings, &Job::default()).unwrap().is_some());
 }
