@@ -12,9 +12,12 @@ pub mod promises;
 pub use extract::{extract, pieces, refine};
 pub use files::{mesh_file, volume_file};
 
+/// What is done with bytes by chance.
+pub type Target = fn(&[u8]);
+
 /// The target of a name.
-pub fn target(name: &str) -> Option<fn(&[u8])> {
-    let all: [(&str, fn(&[u8])); 5] = [
+pub fn target(name: &str) -> Option<Target> {
+    let all: [(&str, Target); 5] = [
         ("extract", extract),
         ("refine", refine),
         ("pieces", pieces),

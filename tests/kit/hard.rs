@@ -5,7 +5,7 @@ use isokit::{
     for_dtype,
     geom::Frame,
     marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
-    volume::{AnyVolume, Dtype, Grid, Volume},
+    volume::{AnyVolume, Dtype, Grid, Sample, Volume},
 };
 use proptest::{collection::vec, prelude::*, sample::select};
 
@@ -33,7 +33,7 @@ pub fn values(dtype: Dtype, iso: f64) -> Vec<f64> {
             [&near[..], &ends].concat()
         }
     };
-    for_dtype!(dtype, T => all.into_iter().map(|value| f64::from(value as T)).collect())
+    for_dtype!(dtype, T => all.into_iter().map(|value| Sample::to_f64(value as T)).collect())
 }
 
 /// Isovalues that are hard, the plain ones first.

@@ -62,7 +62,7 @@ pub(crate) struct RenderPlan {
 /// What is looked at.
 #[derive(Debug)]
 pub(crate) enum Subject {
-    Volume(PathBuf, VolumeOptions, Region),
+    Volume(PathBuf, Box<VolumeOptions>, Region),
     /// And the colour that it is drawn in whatever its file says.
     Mesh(PathBuf, Option<Rgba>),
 }

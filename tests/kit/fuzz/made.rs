@@ -6,7 +6,7 @@ use isokit::{
     for_dtype,
     geom::{Affine, Frame},
     marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
-    volume::{AnyVolume, Dtype, Grid},
+    volume::{AnyVolume, Dtype, Grid, Sample},
 };
 
 /// What the bytes say.
@@ -61,7 +61,7 @@ fn samples(dtype: Dtype, count: u64, mut bytes: Bytes<'_>) -> (Vec<f64>, f64) {
         match dtype {
             Dtype::F32 => f64::from(f32::from_bits(word as u32)),
             Dtype::F64 => f64::from_bits(word),
-            _ => for_dtype!(dtype, T => f64::from(word as T)),
+            _ => for_dtype!(dtype, T => Sample::to_f64(word as T)),
         }
     };
     let (kind, iso) = (bytes.byte(), bytes.word());

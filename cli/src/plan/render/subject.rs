@@ -24,7 +24,7 @@ pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject,
             Some(_) => Ok(Subject::Mesh(args.input.clone(), args.color)),
             None => {
                 let region = args.part.region().unwrap_or_default();
-                Ok(Subject::Volume(args.input.clone(), args.volume.options(), region))
+                Ok(Subject::Volume(args.input.clone(), args.volume.options().into(), region))
             }
         };
     };
@@ -38,7 +38,7 @@ pub(super) fn of(args: &RenderArgs, file: Option<&SceneFile>) -> Result<Subject,
     }
     let region = args.part.region().or(volume.roi).or(volume.roi_mm).unwrap_or_default();
     let options = described(volume, args.volume.options())?;
-    Ok(Subject::Volume(folder.join(&volume.path), options, region))
+    Ok(Subject::Volume(folder.join(&volume.path), options.into(), region))
 }
 
 /// What was typed of a volume, or else what the scene says.
