@@ -269,7 +269,7 @@ fn an_extraction_says_what_it_made_as_a_scene() {
     assert_eq!(folder.json("r.json")["input"]["spacing"], serde_json::json!([1.0, 2.0, 3.0]));
     for (line, says) in [
         ("--dump-scene a.glb", ".toml"),
-        ("--dump-scene s.toml --roi 0:4,0:4,0:4", "--roi"),
+        ("--dump-scene s.toml --roi-mm :,:,:9 --space index", "--space"),
         ("--dump-scene s.toml --clip 1,0,0,3 --space index", "--space"),
     ] {
         let ran = folder.run(&format!("extract ball.nii --iso 50 -o a.glb {line}"));

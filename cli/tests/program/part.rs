@@ -17,7 +17,7 @@ name = "wall"
 iso = 50
 color = "#ff0000"
 [[clip]]
-plane = [0, 0, 1, 33]
+plane = [0, 0, 1, 36]
 cap = "slice"
 [transfer]
 points = [[0, "#00000000"], [100, "#ffe0c0ff"]]
@@ -57,15 +57,16 @@ fn a_part_is_looked_at_as_if_there_were_no_more() {
 fn a_scene_names_its_part_and_an_extraction_writes_it() {
     let folder = Folder::with_ball();
     let roi = |line: &str| SCENE.replace("[[surface]]", &format!("{line}\n[[surface]]"));
-    fs::write(folder.path("roi.toml"), roi("roi = \":,:,2:\"")).unwrap();
+    fs::write(folder.path("roi.toml"), roi("roi = \"8:,:,:\"")).unwrap();
     fs::write(folder.path("all.toml"), SCENE).unwrap();
     folder.done("render roi.toml -o a.png");
-    folder.done("render all.toml --roi :,:,2: -o b.png");
+    folder.done("render all.toml --roi 8:,:,: -o b.png");
     folder.done("render roi.toml --roi :,:,: -o whole.png");
     folder.done("render all.toml -o all.png");
     let read = |name: &str| fs::read(folder.path(name)).unwrap();
     assert!(read("a.png") == read("b.png") && read("whole.png") == read("all.png"));
     assert!(read("a.png") != read("all.png"));
+    assert!(pixels(&folder, "a.png").1.iter().any(|pixel| *pixel != [255; 3]));
     folder.done("extract ball.nii --iso 50 --roi 1:9,:,3: -o a.stl --dump-scene d.toml");
     let text = fs::read_to_string(folder.path("d.toml")).unwrap();
     assert!(text.contains("roi = \"1:9,:,3:\""), "{text}");
@@ -94,11 +95,11 @@ fn only_samples_that_a_picture_depends_on_are_read() {
         folder.done(&format!("render s.toml --mode {mode} -o a.png --report r.json"));
         let report = folder.json("r.json");
         let samples = &report["samples"];
-        // The plane is at sample 2, and around it are 4.
-        assert_eq!(samples["ranges"][2], serde_json::json!([0, 7]), "{mode}: {samples}");
-        assert_eq!((&samples["all"], &samples["read"]), (&2688.into(), &1568.into()));
+        // The plane is at sample 4, and around it are 4.
+        assert_eq!(samples["ranges"][2], serde_json::json!([0, 9]), "{mode}: {samples}");
+        assert_eq!((&samples["all"], &samples["read"]), (&2688.into(), &2016.into()));
         assert_eq!(report["input"]["nan"], 0);
-        assert_eq!(report["input"]["read"][2], serde_json::json!([0, 7]));
+        assert_eq!(report["input"]["read"][2], serde_json::json!([0, 9]));
         let all = folder.done(&format!("render s.toml --mode {mode} -o b.png --plot p.png -v"));
         assert!(all.err.contains("reads all 2 688 samples: the chart counts"), "{}", all.err);
         assert!(pixels(&folder, "a.png") == pixels(&folder, "b.png"), "{mode}");
@@ -117,7 +118,7 @@ fn a_plan_needs_no_samples_where_the_header_says_enough() {
     for mode in ["surfaces", "iso-raycast", "raycast", "splat"] {
         let ran = folder.done(&format!("render s.toml --mode {mode} --plan"));
         for says in [
-            "reads 1 568 of 2 688 samples, 0:16,0:14,0:7: planes cut the others away",
+            "reads 2 016 of 2 688 samples, 0:16,0:14,0:9: planes cut the others away",
             "which bricks hold something is not known before samples are read",
         ] {
             assert!(ran.text().contains(says), "{says}: {}", ran.text());
@@ -145,7 +146,7 @@ fn a_plan_needs_no_samples_where_the_header_says_enough() {
 fn a_way_around_from_a_place_begins_there_and_keeps_its_distance() {
     let folder = Folder::with_ball();
     let from = |place: &str| {
-        SCENE.replace("[18, 80, 50]", place).replace("[0, 0, 1, 33]", "[0, 0, 1, 99]")
+        SCENE.replace("[18, 80, 50]", place).replace("[0, 0, 1, 36]", "[0, 0, 1, 99]")
     };
     let scene = |name: &str, place: &str| fs::write(folder.path(name), from(place)).unwrap();
     // The middle is at (17.5, 33, 38.25).
@@ -181,10 +182,10 @@ fn planes_that_are_typed_cut_volumes_values_and_meshes() {
     }
     fs::write(
         folder.path("s.toml"),
-        SCENE.replace("[0, 0, 1, 33]", "[0, 0, 1, 38.25]").replace("\"slice\"", "\"solid\""),
+        SCENE.replace("[0, 0, 1, 36]", "[0, 0, 1, 38.25]").replace("\"slice\"", "\"solid\""),
     )
     .unwrap();
-    let bare = SCENE.replace("[[clip]]\nplane = [0, 0, 1, 33]\ncap = \"slice\"\n", "");
+    let bare = SCENE.replace("[[clip]]\nplane = [0, 0, 1, 36]\ncap = \"slice\"\n", "");
     fs::write(folder.path("bare.toml"), bare).unwrap();
     folder.done("render s.toml -o a.png");
     folder.done("render bare.toml --clip 0,0,1,38.25 -o b.png");
