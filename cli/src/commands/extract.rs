@@ -22,7 +22,7 @@ use isokit::{
     lanes::return_freed_memory,
     marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
-    pipeline::{Index, IsoChoice, PipelineError, Region, Scan},
+    pipeline::{Index, IsoChoice, PipelineError, Region, Scan, ScanFile},
     refine::{Refined, Subdivision},
 };
 use std::time::Instant;
@@ -37,16 +37,21 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
     Ok(Exit::Done)
 }
 
+/// Reads the part that is looked at; to make an index, which is of the whole volume, all of that.
+fn read(plan: &ExtractPlan, session: &Session<'_, '_>) -> Result<Scan, PipelineError> {
+    let open = |region| ScanFile::open(&plan.input, &plan.volume, plan.space, region, &session.job);
+    let file = open(&plan.region)?;
+    match plan.index && file.lattice().is_cropped() && !file.has_index() {
+        true => Ok(open(&Region::Whole)?.read(&session.job)?.cropped(&plan.region)?),
+        false => file.read(&session.job),
+    }
+}
+
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), Timings::default());
     let attribute = attribute::open(&plan.color, plan.target.format, session)?;
-    // An index is of the whole volume, whatever part is looked at.
-    let read = if plan.index { &Region::Whole } else { &plan.region };
-    let mut scan = timed(&mut timings.read, || {
-        let scan = Scan::open(&plan.input, &plan.volume, plan.space, read, &session.job)?;
-        Ok::<_, PipelineError>(scan.cropped(&plan.region)?)
-    })?;
+    let mut scan = timed(&mut timings.read, || read(plan, session))?;
     scan.notes().iter().for_each(|note| session.console.note(note));
     if plan.index {
         let found = timed(&mut timings.index, || scan.index(&session.job))?;

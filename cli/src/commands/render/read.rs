@@ -13,7 +13,7 @@ use isokit::{
     mesh::{Rgba, Surface},
     pipeline::{IsoChoice, Lattice, Region, Scan, ScanFile, TargetSpace},
     render::{OpticalModel, SlopeFunction},
-    scene::{Preset, Scene, SurfaceLook, full_slope},
+    scene::{Scene, SurfaceLook, full_slope},
 };
 use std::{ops::Range, path::Path};
 
@@ -81,8 +81,7 @@ fn volume(
 fn chosen(plan: &RenderPlan, shows_model: bool) -> Option<&'static str> {
     let is_auto = |fade: &Option<FadePlan>| *fade == Some(FadePlan::Auto);
     let is_of_samples = match &plan.model {
-        ModelPlan::Preset(Preset::CtBone | Preset::CtSkin, fade) => is_auto(fade),
-        ModelPlan::Preset(..) => true,
+        ModelPlan::Preset(preset, fade) => preset.known().is_none() || is_auto(fade),
         ModelPlan::Points(_, fade) => is_auto(fade),
         ModelPlan::Rows(_) | ModelPlan::Mixture(_) => false,
     };

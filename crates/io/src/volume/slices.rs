@@ -282,15 +282,8 @@ impl<T: Sample> SlabSource<T> for FileSlices<T> {
     }
 
     fn fill_rows(&mut self, slice: &mut [T], rows: Range<usize>) -> Result<(), ReadError> {
-        if self.file.stored.order != Order::XFastest {
-            return self.fill(slice);
-        }
         let nx = self.file.grid.dims()[0] as usize;
         let own = nx * rows.start..nx * rows.end;
-        let after = (slice.len() - own.end) as u64;
-        self.pass(own.start as u64);
-        self.read(&mut slice[own])?;
-        self.pass(after);
-        Ok(())
+        self.fill_part(&[0..nx, rows], &mut slice[own])
     }
 }

@@ -1,7 +1,7 @@
 //! The index of a volume: made once, kept beside the file.
 
 use isokit_io::{BrickFile, NoBricks};
-use isokit_volume::{AnyBricks, BrickGrid, Bricks, Sample, Scaling, Statistics, View};
+use isokit_volume::{AnyBricks, Bricks, Sample, Scaling, Statistics, View};
 use std::{borrow::Cow, fmt, ops::Range, path::PathBuf};
 
 /// With a greater share of the bricks to look at, all samples are sooner looked at: row `index` of `scripts/bench`.
@@ -83,8 +83,7 @@ pub(super) fn statistics<T: Sample>(bricks: &AnyBricks, view: &View<'_, T>) -> O
     Statistics::of_bricks(whole, view.scaling())
 }
 
-/// How many bricks a part of a volume has.
-pub(super) fn bricks_of_part(dims: [u64; 3], part: &[Range<usize>; 3]) -> u64 {
-    let whole = BrickGrid::new(dims.map(|n| usize::try_from(n).unwrap_or(usize::MAX)));
-    whole.part(part).and_then(|grid| grid.count()).unwrap_or(0)
+/// How many bricks a part of what is indexed has.
+pub(super) fn bricks_of_part(bricks: &AnyBricks, part: &[Range<usize>; 3]) -> u64 {
+    bricks.grid().part(part).and_then(|grid| grid.count()).unwrap_or(0)
 }

@@ -33,7 +33,7 @@ pub struct Scan {
     notes: Vec<String>,
     /// Where an index of the whole volume is kept.
     index_file: Option<BrickFile>,
-    /// Of the whole volume.
+    /// Of all samples in memory.
     bricks: Option<AnyBricks>,
     part_bricks: OnceLock<AnyBricks>,
     statistics: OnceLock<Statistics>,
@@ -227,7 +227,9 @@ impl Scan {
         }
         let found = for_any!(&self.volume, volume => {
             let view = self.seen(volume);
-            let told = self.bricks.as_ref().and_then(|bricks| index::statistics(bricks, &view));
+            // Ends that the index of the whole tells of a part may be farther off than its samples are.
+            let bricks = self.bricks.as_ref().filter(|_| self.holds_all());
+            let told = bricks.and_then(|bricks| index::statistics(bricks, &view));
             told.map_or_else(|| Statistics::of(&view, job), Ok)
         })?;
         Ok(*self.statistics.get_or_init(|| found))
@@ -283,14 +285,36 @@ impl Scan {
     ///
     /// If the job is cancelled or allows less memory. That nothing could be kept is no error.
     pub fn index(&mut self, job: &Job) -> Result<Index, PipelineError> {
-        let (bricks, mut found) = for_any!(&self.volume, volume => {
-            index::of(self.index_file.as_ref(), || Bricks::of(&volume.view(), job))
-        })?;
-        if self.volume.grid().dims() != self.lattice.whole().dims() {
-            found = Index::NotKept(Some("of the volume only a part was read".into()));
-        }
+        let (bricks, found) = for_any!(&self.volume, volume => self.found_index(volume, job))?;
         self.bricks = Some(bricks);
         Ok(found)
+    }
+
+    fn found_index<T: Sample>(
+        &self,
+        volume: &Volume<T>,
+        job: &Job,
+    ) -> Result<(AnyBricks, Index), Stopped> {
+        let make = || Bricks::of(&volume.view(), job);
+        if self.holds_all() {
+            return index::of(self.index_file.as_ref(), make);
+        }
+        let kept = |file: &BrickFile| {
+            let bricks = file.read::<T>().ok()?.part(&self.held)?;
+            Some((bricks.into(), Index::Read(file.path().to_owned())))
+        };
+        match self.index_file.as_ref().and_then(kept) {
+            Some(found) => Ok(found),
+            None => {
+                let says = "of the volume only a part was read";
+                Ok((make()?.into(), Index::NotKept(Some(says.into()))))
+            }
+        }
+    }
+
+    /// Whether all of the lattice is in memory.
+    fn holds_all(&self) -> bool {
+        self.volume.grid().dims() == self.lattice.whole().dims()
     }
 
     /// The box of the part in the world, and the world's axes.

@@ -4,16 +4,16 @@ use crate::pipeline::{Lattice, PipelineError, Region, Scan, TargetSpace};
 use isokit_geom::Frame;
 use isokit_io::{Format, VolumeFile, VolumeOptions, open_volume};
 use isokit_job::Job;
-use isokit_volume::{Bricks, Dtype, Sample, Scaling};
+use isokit_volume::{Bricks, Dtype, Sample, Scaling, for_dtype};
 use std::{ops::Range, path::Path};
 
 /// The header of a scan: enough to know where its samples are, and to read those that are needed.
 #[derive(Clone, Debug)]
 pub struct ScanFile {
-    file: VolumeFile,
+    pub(super) file: VolumeFile,
     /// Where the samples are before they are placed elsewhere.
     source: Frame,
-    lattice: Lattice,
+    pub(super) lattice: Lattice,
 }
 
 impl ScanFile {
@@ -67,6 +67,13 @@ impl ScanFile {
         self.file.has_slices()
     }
 
+    /// Whether an [index](Scan::index) of the volume as it is lies beside the file. Without one, all of the volume has to be
+    /// read to make it, whatever part is looked at.
+    pub fn has_index(&self) -> bool {
+        let Ok(file) = self.file.bricks() else { return false };
+        for_dtype!(self.dtype(), T => file.read::<T>().is_ok())
+    }
+
     /// Where in the scan which values are, if all of it is looked at and an [index](Scan::index) of it is kept beside the
     /// file.
     pub(crate) fn bricks<T: Sample>(&self) -> Option<Bricks<T>> {
@@ -97,14 +104,16 @@ impl ScanFile {
     pub fn read_wanted(self, wanted: &[Range<usize>; 3], job: &Job) -> Result<Scan, PipelineError> {
         let Self { file, source, lattice } = self;
         let (format, notes) = (file.format(), file.notes().to_vec());
-        // An index is of the whole.
-        let is_whole = !lattice.is_cropped() && *wanted == lattice.part();
-        let index_file = file.bricks().ok().filter(|_| is_whole);
+        // An index tells nothing of what is 0 here.
+        let index_file = file.bricks().ok().filter(|_| *wanted == lattice.part());
         let [part, read] = [&lattice.part(), wanted]
             .map(|ranges| ranges.each_ref().map(|range| range.start as u64..range.end as u64));
-        let is_spread = file.has_slices();
+        let has_slices = file.has_slices();
         let volume = file.collect_part(part, read, job)?;
-        let read = if is_spread { wanted.clone() } else { lattice.part() };
+        let read = if has_slices { wanted.clone() } else { lattice.part() };
         Ok(Scan::of_file(volume, (source, lattice, read), (format, notes, index_file)))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,13 +1,11 @@
 //! A volume on its way to a mesh, of which a few slices are in memory at a time.
 
 use crate::pipeline::{
-    Index, IsoChoice, Lattice, Normals, PipelineError, Region, Remark, SurfaceOptions, TargetSpace,
-    error::in_whole, index, iso::Facts,
+    Index, IsoChoice, Normals, PipelineError, Region, Remark, ScanFile, SurfaceOptions,
+    TargetSpace, error::in_whole, index, iso::Facts,
 };
 use isokit_geom::Frame;
-use isokit_io::{
-    Format, MeshContext, PartSlices, ReadError, ReadFault, VolumeFile, VolumeOptions, open_volume,
-};
+use isokit_io::{Format, MeshContext, PartSlices, ReadError, ReadFault, VolumeOptions};
 use isokit_job::{Job, OverLimit};
 use isokit_marching_cubes::{Budget, ExtractError, Extracted, SlabError, Slabs, extract_slabs};
 use isokit_mesh::{Counts, MeshSinks};
@@ -21,9 +19,7 @@ use std::{borrow::Cow, ops::Range, path::Path, sync::OnceLock};
 /// Meshes are the same.
 #[derive(Clone, Debug)]
 pub struct SlabScan {
-    file: VolumeFile,
-    /// The whole lattice, where it was wanted, and the part that is.
-    lattice: Lattice,
+    scan: ScanFile,
     /// Whether extractions look for range and NaN by the way.
     is_observed: bool,
     /// Of the whole lattice.
@@ -46,21 +42,18 @@ impl SlabScan {
         region: &Region,
         job: &Job,
     ) -> Result<Self, PipelineError> {
-        let file = open_volume(path, options, job)?;
-        if file.is_of_vectors() {
+        let scan = ScanFile::open(path, options, space, region, job)?;
+        if scan.file.is_of_vectors() {
             let says = "a quantity of vectors is made of all of them: read the volume into memory, or convert it first";
             return Err(ReadFault::Caller(says.into()).at(path).into());
         }
-        if !file.has_slices() {
+        if !scan.has_slices() {
             let says = "the samples are z fastest (Fortran order), so no slice can be read alone: \
                         convert the file to .nrrd first, or read all of it into memory";
             return Err(ReadFault::Caller(says.into()).at(path).into());
         }
-        let mut whole = *file.grid();
-        whole.frame = space.place(whole.frame)?;
-        let lattice = Lattice::new(whole, region)?;
         let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { file, lattice, is_observed: false, bricks: None, statistics, histogram })
+        Ok(Self { scan, is_observed: false, bricks: None, statistics, histogram })
     }
 
     /// The same scan, with range and NaN looked for by the way in the next extraction, unless an [index](Self::index) tells
@@ -71,32 +64,32 @@ impl SlabScan {
 
     /// The whole lattice, of which a part may be looked at.
     pub fn grid(&self) -> &Grid {
-        self.lattice.whole()
+        self.scan.lattice.whole()
     }
 
     /// The type of the samples.
     pub fn dtype(&self) -> Dtype {
-        self.file.dtype()
+        self.scan.dtype()
     }
 
     /// What a stored sample means.
     pub fn scaling(&self) -> Scaling {
-        self.file.scaling()
+        self.scan.scaling()
     }
 
     /// The samples that are looked at, along x, y, z.
     pub fn part(&self) -> [Range<usize>; 3] {
-        self.lattice.part()
+        self.scan.lattice.part()
     }
 
     /// Whether not all samples are looked at.
     pub fn is_cropped(&self) -> bool {
-        self.lattice.is_cropped()
+        self.scan.lattice.is_cropped()
     }
 
     /// Index space of the whole volume to world space.
     pub fn frame(&self) -> &Frame {
-        self.lattice.frame()
+        self.scan.lattice.frame()
     }
 
     /// What a file says of the world of this scan's meshes, and of the command that made them.
@@ -107,12 +100,12 @@ impl SlabScan {
 
     /// What the file is.
     pub fn format(&self) -> Format {
-        self.file.format()
+        self.scan.format()
     }
 
     /// What was assumed, overridden or ignored, each a sentence for the user.
     pub fn notes(&self) -> &[String] {
-        self.file.notes()
+        self.scan.notes()
     }
 
     /// Range and NaN of the part. Looked for once.
@@ -168,9 +161,9 @@ impl SlabScan {
     /// If the file cannot be read, or the job is cancelled or allows less memory. That nothing could be kept is
     /// no error.
     pub fn index(&mut self, job: &Job) -> Result<Index, PipelineError> {
-        let kept = self.file.bricks().ok();
+        let kept = self.scan.file.bricks().ok();
         let (bricks, found) = for_dtype!(self.dtype(), T => index::of(kept.as_ref(), || {
-            Bricks::of_slices(self.file.clone().with_job(job).into_source::<T>()?, job)
+            Bricks::of_slices(self.scan.file.clone().with_job(job).into_source::<T>()?, job)
         }))?;
         self.bricks = Some(bricks);
         Ok(found)
@@ -204,7 +197,7 @@ impl SlabScan {
             true => self.grid().slice_count().saturating_mul(self.dtype().bytes() as u64),
             false => 0,
         };
-        let of = (&self.lattice.part_grid(), self.dtype());
+        let of = (&self.scan.lattice.part_grid(), self.dtype());
         let left = bytes.saturating_sub(slice);
         Budget::within(left, of, (surfaces, pieces), &options.extract).map_err(|over| OverLimit {
             needed: over.needed.saturating_add(slice),
@@ -248,9 +241,9 @@ impl SlabScan {
             }
         });
         let mut found = found.map_err(|error| self.of_slabs(error))?;
-        if self.bricks.is_some() {
+        if let Some(bricks) = &self.bricks {
             // Of an index that was left aside no brick is skipped.
-            let bricks = index::bricks_of_part(self.grid().dims(), &self.part());
+            let bricks = index::bricks_of_part(bricks, &self.part());
             found.iter_mut().for_each(|one| one.skipped.bricks = bricks);
         }
         Ok(found)
@@ -302,8 +295,8 @@ impl SlabScan {
 
     fn source<T: Sample>(&self, job: &Job) -> Result<PartSlices<T>, ReadError> {
         let part = self.part().map(|range| range.start as u64..range.end as u64);
-        let slices = self.file.clone().with_job(job).into_part(part)?;
-        Ok(slices.at(self.lattice.part_grid().frame))
+        let slices = self.scan.file.clone().with_job(job).into_part(part)?;
+        Ok(slices.at(self.scan.lattice.part_grid().frame))
     }
 }
 

@@ -1,19 +1,19 @@
 //! Bricks of samples whose type is known only at run time.
 
-use super::Bricks;
+use super::{BrickGrid, Bricks};
 use crate::Sample;
 use std::{any::Any, sync::Arc};
 
 /// [`Bricks`] of any of the eight types.
 #[derive(Clone, Debug)]
 pub struct AnyBricks {
-    count: u64,
+    grid: BrickGrid,
     bricks: Arc<dyn Any + Send + Sync>,
 }
 
 impl<T: Sample> From<Bricks<T>> for AnyBricks {
     fn from(bricks: Bricks<T>) -> Self {
-        Self { count: bricks.extents().len() as u64, bricks: Arc::new(bricks) }
+        Self { grid: *bricks.grid(), bricks: Arc::new(bricks) }
     }
 }
 
@@ -23,8 +23,8 @@ impl AnyBricks {
         self.bricks.downcast_ref()
     }
 
-    /// How many bricks there are.
-    pub fn count(&self) -> u64 {
-        self.count
+    /// Where they are.
+    pub fn grid(&self) -> &BrickGrid {
+        &self.grid
     }
 }

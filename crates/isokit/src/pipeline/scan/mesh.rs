@@ -90,9 +90,9 @@ impl Scan {
         if options.normals == Normals::Area {
             meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
         }
-        if self.bricks.is_some() {
+        if let Some(bricks) = &self.bricks {
             // Of an index that was left aside no brick is skipped.
-            let bricks = index::bricks_of_part(self.volume.grid().dims(), &self.within(part));
+            let bricks = index::bricks_of_part(bricks, &self.within(part));
             extracted.iter_mut().for_each(|one| one.skipped.bricks = bricks);
         }
         Ok(extracted)

@@ -12,7 +12,7 @@ use isokit_volume::{Bricks, Grid, Sample, Scaling, SlabSource, View, Volume};
 use proptest::prelude::*;
 use std::ops::Range;
 
-/// Slices that give the rows that they are asked for and no other. Those who ask write anything into the rest before.
+/// Slices that give the rows that they are asked for, and in place of all others anything.
 struct Known<'a, T> {
     view: View<'a, T>,
     grid: Grid,
@@ -43,6 +43,7 @@ impl<T: Sample> SlabSource<T> for Known<'_, T> {
 
     fn fill_rows(&mut self, slice: &mut [T], rows: Range<usize>) -> Result<(), Stopped> {
         let nx = self.view.dims()[0];
+        slice.fill(T::at_rank(self.next as u64 * 31 % T::LAST_RANK));
         for j in rows {
             let row = self.view.row(j, self.next);
             slice[nx * j..nx * (j + 1)].copy_from_slice(row.gather(&mut vec![]));
