@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 from kit import bench_error_output, bench_machine
-from kit.bench_error_fields import FIELDS, Field
-from kit.bench_error_measure import errors
+from kit.bench_error_fields import FIELDS, POSITIONS, Field
+from kit.bench_error_measure import errors, of_vertices, together
 from kit.bench_error_offsets import best_by_offsets
 from kit.bench_error_tools import MODES, OWN, divided, is_double, making, tools
 from kit.bench_measure import quartiles
@@ -124,6 +124,7 @@ class Run:
         return {
             "field": name,
             "smooth": field.smooth,
+            "surface_rms": field.surface_rms,
             "diameter": float(np.ptp(cloud, axis=0).max()),
             "closed": field.closed,
             "thickness": thickness,
@@ -136,8 +137,34 @@ class Run:
             "skipped": skipped,
             "sampling_s": sampling,
             "points": points,
+            "order_points": self._order_points(name, field, cloud),
             "best_by_offsets": best,
         }
+
+    def _order_points(self, name: str, field: Field, cloud: np.ndarray) -> list[dict]:
+        """What orders are seen on, where that is not what tools are timed on. Of a full run only."""
+        points: list[dict] = []
+        if self.scale != "full" or not field.order_sizes:
+            return points
+        for n in field.order_sizes:
+            found = {tool: [] for tool in filter(is_double, self.tools)}
+            for position in POSITIONS:
+                moved = tuple(2 / (n - 1) * part for part in position)
+                path = self.scratch / f"{name}_{n}_moved.raw"
+                field.sample(n, np.float64, moved).tofile(path)
+                volume = Volume(f"{name} {n}", (n, n, n), NAMES["float64"], 0.0, path)
+                for tool, parts in found.items():
+                    self.tools[tool].take(volume)
+                    mesh = self.tools[tool].mesh(self.scratch / "mesh")
+                    mesh.vertices += moved
+                    parts.append(of_vertices(mesh, field, cloud))
+                path.unlink()
+            for tool, parts in found.items():
+                figures = together(parts)
+                points.append({"n": n, "h": 2 / (n - 1), "tool": tool, **figures})
+                said = "vertices {vertex_rms:.2e}, normals {vertex_angle:.2e}°".format(**figures)
+                print(f"{name + ' ' + str(n):20} {tool + ', moved':26} {said}", flush=True)
+        return points
 
     def _volumes(self, name: str, field: Field, n: int) -> tuple[dict[bool, Volume], float]:
         """The samples as all tools get them, those as f64, and how long the first took to make."""
@@ -242,7 +269,7 @@ def main() -> int:
             return 2
     date = datetime.date.today().isoformat()
     machine = bench_machine.facts()
-    facts = {"schema": "isokit.bench-error/2", "date": date, "machine": machine}
+    facts = {"schema": "isokit.bench-error/3", "date": date, "machine": machine}
     facts |= {"versions": bench_machine.versions(), "note": arguments.note, "warning": warning}
     folder = PROJECT / f"scripts/results/{date}-{bench_machine.short(machine['cpu'])}/error"
     if arguments.quick:

@@ -12,7 +12,15 @@ from pathlib import Path
 
 import numpy as np
 from kit.bench_error_fields import CENTRE, FIELDS, Smooth, Sphere, length, unit
-from kit.bench_error_measure import CORNERS, WEIGHTS, errors, to_mesh, to_triangles
+from kit.bench_error_measure import (
+    CORNERS,
+    WEIGHTS,
+    errors,
+    of_vertices,
+    to_mesh,
+    to_triangles,
+    together,
+)
 from kit.bench_error_mesh import Mesh, from_arrays, topology
 from kit.bench_error_must import figures as promised
 from kit.bench_error_must import reach
@@ -57,6 +65,9 @@ def fields(tally: Tally) -> None:
         inner, outer = (field.value(cloud + step * normal) for step in (-1e-4, 1e-4))
         tally.check(name, "normals point outwards", ((inner > 0) & (outer < 0)).all())
         points = cloud + random.normal(0, 1e-4, cloud.shape)
+        moved = field.sample(3, np.float64, (0.1, 0.2, 0.3))
+        right = moved[2, 0, 1] == field.value(np.array([[0.1, -0.8, 1.3]]))[0]
+        tally.check(name, "a lattice is moved along x, y, z", right, moved[2, 0, 1])
         foot, normal = field.nearest(points)
         away = length(points - foot)
         rough = np.abs(field.distance_estimate(points))
@@ -78,6 +89,9 @@ def figures(tally: Tally) -> None:
     tally.check("grown", "nothing is farther", abs(grown["forward_max"] - 1e-2) < 1e-12)
     tally.check("grown", "normals are right", grown["vertex_angle"] < 1e-6, grown["vertex_angle"])
     tally.check("grown", "it has no fault", grown["faults"] == [], grown["faults"])
+    parts = [of_vertices(ball(5, field.radius + off), field, cloud) for off in (1e-2, 3e-2)]
+    both = together(parts)["vertex_rms"]
+    tally.check("grown", "of two meshes squares are added", abs(both - 5**0.5 * 1e-2) < 1e-12, both)
     coarse, fine = (errors(ball(k, field.radius), field, cloud, SPACING) for k in (3, 4))
     for kind, order in (("forward_rms", 2), ("reverse_rms", 2), ("max", 2), ("face_angle", 1)):
         found = np.log2(coarse[kind] / fine[kind])
@@ -218,6 +232,7 @@ def promises(tally: Tally) -> None:
         points += curve(f"isokit {mode} f64", sizes, 1e-3, order, 0.01)
     best = [{"n": n, "h": 2 / (n - 1), "rms": 8e-6, "triangles": n * n} for n in sizes]
     run = {"field": "ball", "smooth": True, "diameter": 2.0, "points": points}
+    run |= {"surface_rms": 1e-5}
     found = promised([run | {"best_by_offsets": best}, run | {"smooth": False}])
     by_name = {figure.what: figure for figure in found}
     tally.check("promises", "each is there once", len(by_name) == len(found) == 8, sorted(by_name))

@@ -53,20 +53,14 @@ def errors(mesh: Mesh, field: Field, cloud: np.ndarray, spacing: float) -> dict:
         volume = abs(dot(a, np.cross(b, c)).sum()) / 6
         figures["area_error"] = length(across).sum() / field.area - 1 if field.area else None
         figures["volume_error"] = volume / field.volume - 1 if field.volume else None
-    counted = field.judged((a + b + c) / 3)
+    counted = judged(mesh, field)
     if not counted.any():
         return figures | {"faults": ["nothing"]}
     square, most, face_angle = of_triangles(field, cloud, a[counted], b[counted], c[counted])
-    kept = np.zeros(len(mesh.vertices), bool)
-    kept[mesh.triangles[counted]] = True
-    foot, normal = nearest(field, mesh.vertices[kept], cloud)
-    away = length(mesh.vertices[kept] - foot)
-    if mesh.normals is not None:
-        angle = degrees(sign_of(mesh.normals[kept], normal) * mesh.normals[kept], normal)
-        figures["vertex_angle"] = rms(angle)
+    away, angle = of_vertices(mesh, field, cloud)
     back = to_mesh(mesh, cloud)
+    figures |= together([(away, angle)])
     figures |= {
-        "vertex_rms": rms(away),
         "forward_rms": np.sqrt(square),
         "forward_max": max(most, away.max()),
         "reverse_rms": rms(back),
@@ -76,6 +70,34 @@ def errors(mesh: Mesh, field: Field, cloud: np.ndarray, spacing: float) -> dict:
     for kind in ("rms", "max"):
         figures[kind] = max(figures[f"forward_{kind}"], figures[f"reverse_{kind}"])
     return {name: float(v) if isinstance(v, np.floating) else v for name, v in figures.items()}
+
+
+def of_vertices(
+    mesh: Mesh, field: Field, cloud: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The distance of each vertex of triangles that count, and the angle of its normal, if it has one."""
+    kept = np.zeros(len(mesh.vertices), bool)
+    kept[mesh.triangles[judged(mesh, field)]] = True
+    foot, normal = nearest(field, mesh.vertices[kept], cloud)
+    away = length(mesh.vertices[kept] - foot)
+    if mesh.normals is None:
+        return away, None
+    return away, degrees(sign_of(mesh.normals[kept], normal) * mesh.normals[kept], normal)
+
+
+def together(parts: list[tuple[np.ndarray, np.ndarray | None]]) -> dict[str, float]:
+    """The figures of the vertices of several meshes."""
+    aways, angles = zip(*parts, strict=True)
+    figures = {"vertex_rms": float(rms(np.concatenate(aways)))}
+    if all(angle is not None for angle in angles):
+        figures["vertex_angle"] = float(rms(np.concatenate(angles)))
+    return figures
+
+
+def judged(mesh: Mesh, field: Field) -> np.ndarray:
+    """Which triangles count."""
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    return field.judged((a + b + c) / 3)
 
 
 def of_triangles(

@@ -8,13 +8,11 @@ import math
 from dataclasses import dataclass
 from statistics import linear_regression
 
+from kit.bench_error_fields import POSITIONS
 from kit.bench_error_tools import DOUBLE, OWN, is_double
 
 VERTICES = 1e-6
 """Of the diameter: the RMS distance of vertices to which tools are timed."""
-
-SURFACE = 1e-5
-"""The same, of whole surfaces in both directions."""
 
 FINEST = 4
 """Lattices through which a line is laid."""
@@ -34,7 +32,9 @@ so that the RMS over all triangles is the least there is: its equations know the
 program does. *Volume* is the error of the enclosed volume, over that before `balance`.
 
 *Order* is the slope of a line through the {FINEST} finest lattices, samples and positions as f64;
-normals are f32 always, and those right to {NORMALS:g}° are left out."""
+normals are f32 always, and those right to {NORMALS:g}° are left out. Where the errors of a field
+depend on where slices cut it, orders are seen on lattices of their own, at {len(POSITIONS)} places each, no two of
+them cut alike: the squares of errors of all are taken together."""
 
 
 @dataclass
@@ -82,9 +82,11 @@ def figures(runs: list[dict]) -> list[Figure]:
     """All that is promised of the fields that were measured."""
     smooth = [run for run in runs if run["smooth"]]
     vertices = f"time to vertices of RMS {VERTICES:.0e}, times less"
-    surface = f"time to a surface of RMS {SURFACE:.0e}, times less"
     found = [to_error(run, vertices, ("vertex_rms", VERTICES), 100, 500) for run in smooth]
-    found += [to_error(run, surface, ("rms", SURFACE), 3, 10) for run in smooth]
+    for run in smooth:
+        least = run["surface_rms"]
+        surface = f"time to a surface of RMS {least:.0e}, times less"
+        found.append(to_error(run, surface, ("rms", least), 3, 10))
     balanced = [run for run in smooth if run["best_by_offsets"]]
     found += [figure for run in balanced for figure in of_balance(run)]
     return found + [figure for run in smooth for figure in orders(run)]
@@ -153,7 +155,7 @@ def of_balance(run: dict) -> list[Figure]:
 
 def orders(run: dict) -> list[Figure]:
     """By how fast errors fall."""
-    curves, found = by_tool(run["points"]), []
+    curves, found = by_tool(run.get("order_points") or run["points"]), []
     modes = (("linear exact", 1.9), ("cubic exact matching", 3.8), ("quintic exact matching", 5.5))
     for mode, must in modes:
         points = curves.get(f"{OWN} {mode} {DOUBLE}", [])
