@@ -82,6 +82,11 @@ pub(crate) struct Room<'a, C> {
 /// 4 MiB, takes 0.83 of the time so (EPYC of 2021, one thread, November 2026); slices of 1 MiB gain nothing.
 const LARGE: usize = 2 << 20;
 
+/// Whether slices of so many samples along x and y are filled in bands.
+pub(crate) fn are_large<T>([nx, ny]: [usize; 2]) -> bool {
+    nx * ny * size_of::<T>() > LARGE
+}
+
 /// So many at a time, at most.
 const TOGETHER: usize = 4;
 
@@ -192,7 +197,7 @@ impl<T: Sample> Fill<'_, T> {
     ) {
         let [nx, ny, _] = self.planes.lattice.points;
         let row = nx * size_of::<T>();
-        let (together, rows_of_band) = match ny * row > LARGE {
+        let (together, rows_of_band) = match are_large::<T>([nx, ny]) {
             true => (TOGETHER, (BAND / row).max(LEAST)),
             false => (1, ny),
         };
