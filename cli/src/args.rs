@@ -5,6 +5,7 @@
 //! say.
 
 mod choices;
+mod clip;
 mod color;
 mod extract;
 mod memory;
@@ -20,6 +21,7 @@ pub(crate) use choices::{
     BetweenArg, BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg,
     ProgressArg, SpaceArg, TopologyArg,
 };
+pub(crate) use clip::ClipArg;
 pub(crate) use color::ColorArgs;
 pub(crate) use extract::ExtractArgs;
 pub(crate) use output::MeshOutputArgs;

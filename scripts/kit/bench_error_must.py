@@ -33,8 +33,8 @@ program does. *Volume* is the error of the enclosed volume, over that before `ba
 
 *Order* is the slope of a line through the {FINEST} finest lattices, samples and positions as f64;
 normals are f32 always, and those right to {NORMALS:g}° are left out. Where the errors of a field
-depend on where slices cut it, orders are seen on lattices of their own, at {len(POSITIONS)} places each, no two of
-them cut alike: the squares of errors of all are taken together."""
+depend on where slices cut it, orders are seen on lattices of their own, at {len(POSITIONS)} places each:
+the squares of the errors of all are taken together."""
 
 
 @dataclass

@@ -1,11 +1,11 @@
 //! The options of `extract`.
 
 use super::{
-    BoundaryArg, ColorArgs, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg,
+    BoundaryArg, ClipArg, ColorArgs, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg,
     PlacementArg, SpaceArg, TopologyArg, VolumeArgs, memory, values,
 };
 use clap::Args;
-use isokit::{geom::HalfSpace, pipeline::Region};
+use isokit::pipeline::Region;
 use std::{num::NonZeroUsize, path::PathBuf};
 
 #[derive(Args, Debug)]
@@ -18,6 +18,8 @@ Examples:
   isokit extract ct.nii.gz --iso auto -o bone.stl --report bone.json
   isokit extract ct.nii.gz --iso 300 --refine 1 --balance -o smooth.ply
   isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 -o half.stl
+  isokit extract ct.nii.gz --iso -300:skin --iso 300:bone --clip 1,0,0,12.5:skin -o open.glb
+  isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 --attribute ct.nii.gz -o slice.glb
   isokit extract t1.nii.gz --iso 80 --attribute pet.nii.gz --colormap magma -o hot.glb
   isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
   isokit extract bracket.toml --spacing 0.1 -o bracket.stl
@@ -84,11 +86,12 @@ pub(crate) struct ExtractArgs {
     #[arg(allow_hyphen_values = true, help_heading = "Part and place")]
     pub(crate) roi_mm: Option<Region>,
     /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in coordinates of the output's world, and close the
-    /// hole. Vertices are placed linearly. Repeat it for several planes
-    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, allow_hyphen_values = true)]
+    /// hole; of the surfaces that are named, or else of all. Vertices of what is cut are placed linearly. Repeat it for
+    /// several planes. With --attribute of the volume itself the cut shows its values
+    #[arg(long, value_name = "NX,NY,NZ,D[:NAME...]", allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
     #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
-    pub(crate) clip: Vec<HalfSpace>,
+    pub(crate) clip: Vec<ClipArg>,
     /// Axes of the world to write coordinates in
     #[arg(long, value_enum, default_value_t, help_heading = "Part and place")]
     pub(crate) space: SpaceArg,

@@ -1,10 +1,9 @@
 //! The options of `render`.
 
-use super::{LevelArg, VolumeArgs, values};
+use super::{ClipArg, LevelArg, VolumeArgs, values};
 use crate::scene_file::{Ground, ModeWord, PresetWord, SideWord};
 use clap::{Args, ValueEnum};
 use isokit::{
-    geom::HalfSpace,
     mesh::Rgba,
     pipeline::Region,
     render::{Depth, Size, Smoothing},
@@ -93,11 +92,12 @@ pub(crate) struct RenderArgs {
     /// surfaces, else one for each]
     #[arg(long, value_name = "COLOR", help_heading = "Scene")]
     pub(crate) color: Option<Rgba>,
-    /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in world units, besides what planes of the scene do. Surfaces
-    /// of a volume are closed there in their colour; of a mesh nobody knows what is inside. Repeat it for several planes
-    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, allow_hyphen_values = true)]
+    /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in world units, besides what planes of the scene do; of the
+    /// surfaces that are named, or else of all, and of rays. Surfaces of a volume are closed there in their colour; of a
+    /// mesh nobody knows what is inside. Repeat it for several planes
+    #[arg(long, value_name = "NX,NY,NZ,D[:NAME...]", allow_hyphen_values = true)]
     #[arg(help_heading = "Scene")]
-    pub(crate) clip: Vec<HalfSpace>,
+    pub(crate) clip: Vec<ClipArg>,
     /// What is shown [default: surfaces with --iso or of a mesh, else raycast]
     #[arg(long, value_enum, help_heading = "Scene")]
     pub(crate) mode: Option<ModeWord>,

@@ -2,7 +2,7 @@
 
 use isokit::{
     field::{Filter, Window},
-    geom::{HalfSpace, Unit},
+    geom::Unit,
     io::Endian,
     mesh::Rgba,
     pipeline::IsoChoice,
@@ -210,15 +210,6 @@ pub(crate) fn fov(text: &str) -> Result<f64, String> {
 }
 
 /// A known unit by its symbol.
-/// `nx,ny,nz,d`: the half of space where n · x <= d.
-pub(crate) fn plane(text: &str) -> Result<HalfSpace, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.parse().ok()).collect();
-    let found = numbers.and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
-    let [x, y, z, offset] =
-        found.ok_or_else(|| format!("expected four numbers nx,ny,nz,d, found {text:?}"))?;
-    HalfSpace::new([x, y, z], offset).map_err(|error| format!("{error}, found {text:?}"))
-}
-
 pub(crate) fn unit(text: &str) -> Result<Unit, String> {
     let unit = Unit::from_symbol(text).filter(|unit| unit.metres().is_some());
     unit.ok_or_else(|| {

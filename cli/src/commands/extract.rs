@@ -22,7 +22,7 @@ use isokit::{
     lanes::return_freed_memory,
     marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
-    pipeline::{Index, IsoChoice, PipelineError, Region, Scan, ScanFile},
+    pipeline::{Index, IsoChoice, PipelineError, Region, Scan, ScanFile, SurfaceOptions},
     refine::{Refined, Subdivision},
 };
 use std::time::Instant;
@@ -131,7 +131,7 @@ pub(super) fn isos(
         Ok(iso)
     };
     let isos = plan.levels.iter().map(iso).collect::<Result<Vec<f64>>>()?;
-    plan.check_files(&isos)?;
+    plan.check_names(&isos)?;
     Ok(isos)
 }
 
@@ -153,9 +153,7 @@ fn meshes(
 ) -> Result<(Vec<TriMesh>, Vec<Extracted>)> {
     let surface = plan.surface.before(&plan.refine);
     if !plan.clips.is_empty() {
-        let clipped = |iso: &f64| scan.clipped_mesh(*iso, &plan.clips, &surface, &session.job);
-        let made =
-            timed(&mut timings.extract, || isos.iter().map(clipped).collect::<Result<Vec<_>, _>>());
+        let made = timed(&mut timings.extract, || cut(plan, scan, (isos, &surface), session));
         return Ok(made?.into_iter().unzip());
     }
     let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &surface, meshes, &session.job);
@@ -181,6 +179,26 @@ fn meshes(
     timings.extract = median(&all);
     timings.extract_all = (plan.repeat != Repeat::Once).then_some(all);
     Ok((meshes, extracted))
+}
+
+/// A mesh for each isovalue, of what planes keep of it.
+fn cut(
+    plan: &ExtractPlan,
+    scan: &Scan,
+    (isos, options): (&[f64], &SurfaceOptions),
+    session: &Session<'_, '_>,
+) -> Result<Vec<(TriMesh, Extracted)>, PipelineError> {
+    let job = &session.job;
+    let cut = |(level, &iso): (&LevelPlan, &f64)| match &plan.halves_of(&level.name(iso))[..] {
+        [] => {
+            let mut meshes = [TriMesh::default()];
+            let extracted = scan.meshes_into(&[iso], options, &mut meshes, job)?;
+            let [mesh] = meshes;
+            Ok((mesh, extracted.into_iter().next().expect("one isovalue has one surface")))
+        }
+        halves => scan.clipped_mesh(iso, halves, options, job),
+    };
+    plan.levels.iter().zip(isos).map(cut).collect()
 }
 
 /// The meshes with what files say of them.

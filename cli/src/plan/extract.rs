@@ -2,7 +2,7 @@
 
 use super::{ColorPlan, MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
-    args::{ExtractArgs, LevelArg, PlacementArg, SpaceArg},
+    args::{ClipArg, ExtractArgs, LevelArg, PlacementArg, SpaceArg},
     fault::UsageError,
     shape_file::is_shape,
 };
@@ -27,8 +27,7 @@ pub(crate) struct ExtractPlan {
     pub(crate) region: Region,
     pub(crate) space: TargetSpace,
     pub(crate) levels: Vec<LevelPlan>,
-    /// What is kept.
-    pub(crate) clips: Vec<HalfSpace>,
+    pub(crate) clips: Vec<ClipArg>,
     pub(crate) surface: SurfaceOptions,
     /// What is done with surfaces after that.
     pub(crate) refine: RefineOptions,
@@ -139,15 +138,37 @@ impl ExtractPlan {
         // An isovalue that is still to be found makes a name that is still to be checked.
         let isos: Vec<f64> = plan.levels.iter().filter_map(LevelPlan::value).collect();
         match isos.len() == plan.levels.len() {
-            true => plan.check_files(&isos)?,
+            true => plan.check_names(&isos)?,
             false => plan.check_files(&[])?,
         }
         Ok(plan)
     }
 
+    /// Whether files and surfaces are what their names say, with an isovalue for each level.
+    pub(crate) fn check_names(&self, isos: &[f64]) -> Result<(), UsageError> {
+        let names = self.levels.iter().zip(isos).map(|(level, &iso)| level.name(iso));
+        let names: Vec<_> = names.collect();
+        let mut cut = self.clips.iter().filter_map(|clip| clip.surfaces.as_ref()).flatten();
+        match cut.find(|name| !names.contains(name)) {
+            Some(name) => Err(UsageError(format!(
+                "--clip: expected the name of a surface, {}, found {name:?}",
+                names.join(" or ")
+            ))),
+            None => self.check_files(isos),
+        }
+    }
+
+    /// What is kept of a surface.
+    pub(crate) fn halves_of(&self, name: &str) -> Vec<HalfSpace> {
+        let cuts = |clip: &&ClipArg| {
+            clip.surfaces.as_ref().is_none_or(|names| names.iter().any(|cut| cut == name))
+        };
+        self.clips.iter().filter(cuts).map(|clip| clip.half).collect()
+    }
+
     /// Whether every file has a place of its own, with an isovalue for each level; without isovalues, as
     /// far as that can be told.
-    pub(crate) fn check_files(&self, isos: &[f64]) -> Result<(), UsageError> {
+    fn check_files(&self, isos: &[f64]) -> Result<(), UsageError> {
         let mut places = Places::of_input(&self.input);
         if let Some((path, _)) = &self.color.attribute {
             places.read("--attribute", path);

@@ -9,7 +9,7 @@ pub(crate) use model::{FadePlan, ModelPlan};
 
 use super::{Stream, TextTarget, palette};
 use crate::{
-    args::{LevelArg, LodWord, RenderArgs},
+    args::{ClipArg, LevelArg, LodWord, RenderArgs},
     fault::UsageError,
     scene_file::{
         CapWord, ClipTable, Color, Ground, ModeWord, PatternWord, SceneFile, SurfaceTable,
@@ -99,7 +99,11 @@ impl RenderPlan {
         subject::check(&subject, mode, &surfaces)?;
         let mut clips: Vec<Clip> = file.clip.iter().map(clip).collect::<Result<_, _>>()?;
         let cap = if is_mesh { CapStyle::None } else { CapStyle::Solid };
-        clips.extend(args.clip.iter().map(|&half| Clip { half, surfaces: None, cap }));
+        clips.extend(args.clip.iter().cloned().map(|ClipArg { half, surfaces }| Clip {
+            half,
+            surfaces,
+            cap,
+        }));
         check_use(&args, (mode, is_mesh), &clips)?;
         let viewpoint = viewpoint::of(&args, &file.camera)?;
         let [width, height] = file.output.size.unwrap_or(SIZE);

@@ -278,6 +278,35 @@ fn an_extraction_says_what_it_made_as_a_scene() {
 }
 
 #[test]
+fn a_plane_cuts_the_surfaces_that_it_names() {
+    let folder = Folder::with_ball();
+    let made = |more: &str| {
+        let line = "extract ball.nii --iso 50:wall --iso 70%:core -o a.glb --report a.json";
+        folder.done(&format!("{line} {more}"));
+        let report = folder.json("a.json");
+        ["wall", "core"].map(|name| {
+            let all = report["surfaces"].as_array().unwrap();
+            all.iter().find(|surface| surface["name"] == name).unwrap().clone()
+        })
+    };
+    let ([wall, core], [x, y, z]) = (made(""), CENTRE);
+    let [cut, uncut] = made(&format!("--clip 1,0,0,{x}:wall"));
+    let share = cut["volume"].as_f64().unwrap() / wall["volume"].as_f64().unwrap();
+    assert!((0.4..0.5).contains(&share), "{share}");
+    assert_eq!(uncut, core, "as if there were no plane");
+    let [first, both] = made(&format!("--clip 1,0,0,{x}:wall --clip 0,1,0,{y}:core:wall"));
+    assert!(first["volume"].as_f64() < cut["volume"].as_f64(), "{first}");
+    assert!(both["volume"].as_f64() < core["volume"].as_f64(), "{both}");
+    // A scene has them too, and pictures of both are the same.
+    made(&format!("--clip 0,0,1,{z}:core --dump-scene cut.toml"));
+    made("--dump-scene whole.toml");
+    folder.done("render cut.toml --size 33x33 -o cut.png");
+    folder.done(&format!("render whole.toml --clip 0,0,1,{z}:core --size 33x33 -o typed.png"));
+    let [cut, typed] = ["cut.png", "typed.png"].map(|name| fs::read(folder.path(name)).unwrap());
+    assert!(cut == typed);
+}
+
+#[test]
 fn planes_cut_a_surface_and_close_it() {
     let folder = Folder::with_ball();
     folder.done("extract ball.nii --iso 50 --placement linear -o whole.ply --report whole.json");
@@ -299,6 +328,7 @@ fn planes_cut_a_surface_and_close_it() {
     }
     for (line, says) in [
         ("--clip 0,0,0,1", "a plane has a direction"),
+        ("--clip 0,0,1,1:skin", "expected the name of a surface, iso_50, found \"skin\""),
         ("--clip 1,2,3", "expected four numbers"),
         ("--clip 1,0,0,5 --refine 1", "cannot be used with"),
         ("--clip 1,0,0,5 --placement cubic", "cannot be used with"),

@@ -1,7 +1,7 @@
 //! The surfaces of an extraction as a scene.
 
 use crate::{
-    args::SampleType,
+    args::{ClipArg, SampleType},
     fault::UsageError,
     plan::{ExtractPlan, LevelPlan, color},
 };
@@ -48,9 +48,13 @@ pub(super) fn text(plan: &ExtractPlan, isos: &[f64]) -> Result<String> {
         let color = quoted(&own.unwrap_or(color(n)).to_string());
         write!(text, "\n[[surface]]\n{name}iso = {iso:?}\ncolor = {color}\n")?;
     }
-    for plane in &plan.clips {
-        let ([x, y, z], offset) = (plane.normal(), plane.offset());
+    for ClipArg { half, surfaces } in &plan.clips {
+        let ([x, y, z], offset) = (half.normal(), half.offset());
         write!(text, "\n[[clip]]\nplane = [{x:?}, {y:?}, {z:?}, {offset:?}]\ncap = \"solid\"\n")?;
+        if let Some(names) = surfaces {
+            let names: Vec<_> = names.iter().map(|name| quoted(name)).collect();
+            writeln!(text, "surfaces = [{}]", names.join(", "))?;
+        }
     }
     Ok(text + "\n[output]\nsize = [1024, 1024]\nmode = \"surfaces\"\n")
 }

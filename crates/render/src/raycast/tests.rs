@@ -76,11 +76,11 @@ fn a_slab_of_one_substance_gathers_the_same_at_any_step() {
         let slab = volume([4, 4, 9], 1.5, |_| 7_u8);
         let model = opacities([0.0, 10.0], |_| opacity);
         let exact = 1.0 - (1.0 - f64::from(opacity as f32)).powf(12.0 / unit);
-        for step in [0.01, 0.1, 0.37, 1.0, 3.0, 100.0] {
+        for step in [0.01, 0.03, 0.1, 0.37, 1.0, 3.0, 100.0] {
             let options = PLAIN.with_step(step).with_unit(Some(unit));
             let [color, found] = through(&slab, &model, &options);
-            // Rounding adds up over the steps.
-            let unseen = 2e-7 + 3e-8 * 12.0 / step;
+            // Beside what is all but opaque 1200 steps lose a little more.
+            let unseen = if step < 0.03 { 2e-6 } else { 1e-6 };
             assert!((found - exact).abs() < unseen, "{opacity}, {step}: {found} for {exact}");
             assert!((color - 0.5 * exact).abs() < unseen, "{opacity}, {step}: {color}");
         }
