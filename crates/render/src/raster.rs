@@ -5,7 +5,7 @@
 //!    camera, is cut first, in space (`cut.rs`).
 //! 3. A tile finds for each of its points, several in a pixel, the nearest opaque triangle and all translucent ones
 //!    before it (`tile.rs`). Whole numbers decide: two triangles with a common side never share a point of
-//!    it, and leave none out.
+//!    it, and leave none out. Triangles that lie behind all that is opaque in the tile are not looked at.
 //! 4. What is seen at a point is sorted by depth, exactly, whatever the order of triangles (Carpenter 1984, "The
 //!    A-buffer, an antialiased hidden surface method"), and gathered front to back; a pixel is the mean of its
 //!    points (`resolve.rs`). Only what is seen is lit: once for each pixel and triangle.
@@ -220,8 +220,11 @@ pub struct Drawn {
     pub triangles_skipped: u64,
     /// How often a triangle was lit in a pixel.
     pub lit: u64,
-    /// Points of translucent triangles that lie behind what is as good as opaque, in the tiles of the picture.
+    /// Points of translucent triangles that lie behind what is as good as opaque, in the tiles of the picture: of those
+    /// that were looked at.
     pub hidden: u64,
+    /// How often a triangle was not looked at in a tile, since all of it lies behind what is opaque there.
+    pub triangles_hidden: u64,
 }
 
 impl Drawn {
@@ -231,6 +234,7 @@ impl Drawn {
             triangles_skipped: self.triangles_skipped + other.triangles_skipped,
             lit: self.lit + other.lit,
             hidden: self.hidden + other.hidden,
+            triangles_hidden: self.triangles_hidden + other.triangles_hidden,
         }
     }
 }
