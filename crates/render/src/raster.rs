@@ -13,6 +13,7 @@
 //! Triangles that meet at the same depth are in the order of their surfaces, and of their numbers within. Cells of
 //! the mesh that intersect each other are sorted point by point too.
 
+mod behind;
 mod bins;
 mod cut;
 mod resolve;
@@ -21,6 +22,7 @@ mod tile;
 mod tint;
 
 use crate::{Camera, Channel, Gathered, Image, Light, Ray, Size, shading::Shading};
+pub use behind::{are_behind, hides_within};
 use bins::Bins;
 pub use cut::kept_bounds;
 use isokit_geom::{
@@ -297,7 +299,7 @@ pub fn rasterize(
     let surfaces = &surfaces[..];
     let mut image = Image::new(size, &job.limits)?;
     let view = Viewport::new(camera, size);
-    let (bins, binned) = exactly(|| Bins::of(surfaces, &view, job))?;
+    let (bins, binned) = exactly(|| Bins::of(surfaces, &view, None, job))?;
     let resolve = Resolve { surfaces, caps, view: &view, bins: &bins, shading: &shading };
     let width = size.width.get() as usize;
     let [columns, rows] = bins.tiles();

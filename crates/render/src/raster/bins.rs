@@ -29,6 +29,8 @@ pub(super) struct Bins<'a> {
     /// Pixels of the picture from left to right, and from top to bottom.
     size: [usize; 2],
     tiles: [usize; 2],
+    /// Which of them are asked for: without a word all.
+    wanted: Option<Vec<bool>>,
     /// Where a tile's entries begin, and after the last one how many there are.
     starts: Vec<usize>,
     /// Numbers of triangles; beyond those, of pieces.
@@ -85,9 +87,11 @@ impl Found {
 }
 
 impl<'a> Bins<'a> {
+    /// Of the tiles that are `wanted`, or of all.
     pub(super) fn of(
         surfaces: &'a [Painted<'a>],
         view: &Viewport<'_>,
+        wanted: Option<Vec<bool>>,
         job: &Job,
     ) -> Result<(Self, Drawn), RasterError> {
         let mut first = vec![0_u32];
@@ -98,11 +102,22 @@ impl<'a> Bins<'a> {
             first.push(u32::try_from(2 * total).map_err(|_| RasterError::Triangles(total))? / 2);
         }
         let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
-        let tiles = [0, 1].map(|axis| size[axis].div_ceil(TILE[axis]));
+        let tiles = tiles_of(view);
         let (vertices, starts, entries) = (vec![], vec![], vec![]);
         let (opaque, pieces) = (surfaces.iter().map(Painted::is_opaque).collect(), vec![]);
-        let mut bins =
-            Self { surfaces, opaque, vertices, first, pieces, size, tiles, starts, entries };
+        let bins = Self {
+            surfaces,
+            opaque,
+            vertices,
+            first,
+            pieces,
+            size,
+            tiles,
+            wanted,
+            starts,
+            entries,
+        };
+        let mut bins = bins;
         let mut drawn = Drawn::default();
         let (mut found, held) = (vec![], AtomicU64::new(0));
         for (number, surface) in surfaces.iter().enumerate() {
@@ -250,6 +265,8 @@ impl<'a> Bins<'a> {
         let is_seen = !columns.is_empty() && !rows.is_empty();
         for row in rows {
             let tiles = columns.clone().map(|column| row * self.tiles[0] as i64 + column);
+            let wanted = self.wanted.as_deref();
+            let tiles = tiles.filter(|&tile| wanted.is_none_or(|wanted| wanted[tile as usize]));
             entries.extend(tiles.map(|tile| (tile as u32, entry)));
         }
         is_seen
@@ -285,6 +302,12 @@ impl<'a> Bins<'a> {
         }
         Ok(())
     }
+}
+
+/// How many tiles a picture has, from left to right and from top to bottom.
+pub(super) fn tiles_of(view: &Viewport<'_>) -> [usize; 2] {
+    let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
+    [0, 1].map(|axis| size[axis].div_ceil(TILE[axis]))
 }
 
 /// The vertices of a surface in the picture; those that a plane cuts off stand for what needs a closer look.

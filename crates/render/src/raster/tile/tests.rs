@@ -139,7 +139,7 @@ fn plainly(tile: [usize; 2], bins: &Bins<'_>, smoothing: Smoothing) -> Vec<(Vec<
 fn check(surfaces: &[Painted<'_>], camera: &Camera, smoothing: Smoothing) -> u64 {
     let [width, height] = [75, 41].map(|n| NonZeroU32::new(n).unwrap());
     let view = Viewport::new(camera, Size { width, height });
-    let (bins, _) = Bins::of(surfaces, &view, &Job::default()).unwrap();
+    let (bins, _) = Bins::of(surfaces, &view, None, &Job::default()).unwrap();
     let (mut drawn, mut tile, count) =
         (Drawn::default(), Tile::new(smoothing), smoothing.points().len());
     let [columns, rows] = bins.tiles();
