@@ -22,7 +22,7 @@ mod tile;
 mod tint;
 
 use crate::{Camera, Channel, Gathered, Image, Light, Ray, Size, shading::Shading};
-pub use behind::{are_behind, hides_within};
+pub use behind::{are_behind, boxes_in_sight, hides_within};
 use bins::Bins;
 pub use cut::kept_bounds;
 use isokit_geom::{

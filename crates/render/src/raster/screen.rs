@@ -115,6 +115,17 @@ impl<'a> Viewport<'a> {
         ahead >= self.near
     }
 
+    /// How far aside, for each step ahead, the picture shows something at most; 0 if rays are side by side.
+    pub(super) fn slope(&self) -> f64 {
+        if self.is_parallel { 0.0 } else { self.middle[0].hypot(self.middle[1]) / self.scale }
+    }
+
+    /// Parts of a pixel that something so far ahead is moved by in the picture, if it is moved by 1 aside.
+    pub(super) fn parts_of_one(&self, ahead: f64) -> f64 {
+        let pixels = if self.is_parallel { self.scale } else { self.scale / ahead };
+        pixels * f64::from(PARTS)
+    }
+
     /// How far at most a place that is so far ahead, or nearer, is from where the picture has it, across and along rays:
     /// places in the picture are whole numbers, and depths have the digits of `f32`.
     pub(super) fn rounding(&self, [near, far]: [f64; 2]) -> f64 {

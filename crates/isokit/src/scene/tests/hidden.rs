@@ -181,11 +181,12 @@ impl Chance {
     /// Balls anywhere, some of them beyond the border, and noise, in a lattice that may be askew.
     fn scan(&mut self) -> Scan {
         let dims = [34_u64, 30, 26];
-        let balls = [0; 4].map(|_| {
-            let middle = dims.map(|n| self.next() * n as f64);
-            (middle, 4.0 + 9.0 * self.next())
+        let is_inside = self.next() < 0.7;
+        let balls = [0; 4].map(|_| match is_inside {
+            true => (dims.map(|n| (0.35 + 0.3 * self.next()) * n as f64), 3.0 + 5.0 * self.next()),
+            false => (dims.map(|n| self.next() * n as f64), 4.0 + 9.0 * self.next()),
         });
-        let noise = [0.0, 0.3, 3.0][(self.next() * 3.0) as usize];
+        let noise = [0.0, 0.0, 0.3, 1.5][(self.next() * 4.0) as usize];
         let shear = if self.next() < 0.5 { 0.3 } else { 0.0 };
         let columns = [[1.0, shear, 0.0], [0.0, 0.7, 0.0], [shear, 0.1 * shear, 1.3]];
         let index_to_world = Affine::new(columns, [-17.0, -10.1, -16.7]).unwrap();
@@ -205,7 +206,8 @@ impl Chance {
     fn surfaces(&mut self) -> Vec<SurfaceLook> {
         let look = |n: usize| {
             let iso = [-0.5, 0.0, 0.4, 2.0, 2.2, 5.0][(self.next() * 6.0) as usize];
-            let opacity = if self.next() < 0.6 { 1.0 } else { 0.4 };
+            let (iso, chance) = if n == 0 { (-0.5, 0.8) } else { (iso, 0.5) };
+            let opacity = if self.next() < chance { 1.0 } else { 0.4 };
             look(["a", "b", "c", "d"][n], iso, [0.2 * n as f32, 0.5, 1.0 - 0.2 * n as f32], opacity)
         };
         (0..4).map(look).collect()
@@ -215,9 +217,9 @@ impl Chance {
         let projection = if self.next() < 0.5 { PARALLEL } else { PERSPECTIVE };
         match self.next() {
             n if n < 0.5 => framed(360.0 * self.next(), (n < 0.3).then_some(30.0)),
-            _ => {
-                let far = 20.0 + 60.0 * self.next();
-                let from = [0; 3].map(|_| far * (self.next() - 0.5) * 2.0);
+            n => {
+                let far = if n < 0.8 { 70.0 } else { 25.0 };
+                let from = [0; 3].map(|_| far * (0.2 + self.next()) * (self.next() - 0.5).signum());
                 at(from, 30.0 * self.next(), projection)
             }
         }
@@ -242,7 +244,7 @@ fn of_surfaces_by_chance_what_is_hidden_is_seen_in_no_picture() {
         let found = check(&scene, &scan, (&viewpoints, size())).len();
         (hidden, shown) = (hidden + found, shown + 4 - found);
     }
-    assert!(hidden > 20 && shown > 100, "{hidden}, {shown}");
+    assert!(hidden > 12 && shown > 100, "{hidden}, {shown}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Boxes with something in them behind surfaces, against pictures of both.
 
-use super::{are_behind, hides_within};
+use super::{are_behind, boxes_in_sight, hides_within};
 use crate::{
     Camera, Projection, Size,
     raster::{Paint, Painted, RasterOptions, Smoothing, rasterize},
@@ -71,7 +71,8 @@ fn is_seen(wall: &TriMesh, other: &TriMesh, view: (&Camera, Size), smoothing: Sm
 
 fn is_behind(wall: &TriMesh, bounds: Aabb, view: (&Camera, Size), smoothing: Smoothing) -> bool {
     let wall = Painted { mesh: wall, paint: Paint::Plain([1.0; 3]), opacity: 1.0, clips: &[] };
-    are_behind(&wall, [bounds.corners()].into_iter(), view, smoothing, &Job::default()).unwrap()
+    let boxes = (|_| bounds.corners(), 1, 1);
+    boxes_in_sight(&wall, boxes, view, smoothing, &Job::default()).unwrap() == Some(vec![])
 }
 
 #[test]
@@ -102,6 +103,49 @@ fn of_what_is_in_boxes_behind_a_surface_no_picture_shows_anything() {
 }
 
 #[test]
+fn triangles_behind_a_surface_may_be_a_little_elsewhere() {
+    let (mut chance, mut hidden) = (Chance(19), 0);
+    for n in 0..120 {
+        // So near behind the wall that a box around them would not be.
+        let slope = [chance.next() - 0.5, chance.next() - 0.5];
+        let wall = chance.triangles(cube([0.0; 3], 2.0), 9);
+        let flat = |place: Vector, behind: f64| {
+            [place[0], slope[0] * place[0] + slope[1] * place[2] + behind, place[2]]
+        };
+        let flattened = |mesh: &TriMesh, behind: f64| {
+            let places = mesh.positions.iter().map(|place| flat(place, behind)).collect();
+            TriMesh { positions: Positions::F64(places), ..mesh.clone() }
+        };
+        let count = 1 + n % 3;
+        let behind = 0.02 * chance.next() - 0.004;
+        let wall = flattened(&wall, 0.0);
+        let others = flattened(&chance.triangles(cube([0.0; 3], 0.6), count), behind);
+        let projection = match n % 2 {
+            0 => Projection::Parallel { height: 2.0 },
+            _ => Projection::Perspective { fov: 40.0 },
+        };
+        let camera = camera([chance.next(), -4.0, chance.next()], projection);
+        let smoothing = [Smoothing::None, Smoothing::Four][n as usize % 4 / 2];
+        let view = (&camera, size(80, 60));
+        let off = [0.0, 1e-5, 1e-3][n as usize % 5 % 3];
+        let triangles = others.triangles.iter().map(|&triangle| others.corners(triangle));
+        let plain =
+            Painted { mesh: &wall, paint: Paint::Plain([1.0; 3]), opacity: 1.0, clips: &[] };
+        let job = Job::default();
+        if are_behind(&plain, (triangles, off), view, smoothing, &job).unwrap() {
+            hidden += 1;
+            for _ in 0..2 {
+                let moved = |place: Vector| chance.within(cube(place, 0.5 * off));
+                let places = others.positions.iter().map(moved).collect();
+                let others = TriMesh { positions: Positions::F64(places), ..others.clone() };
+                assert!(!is_seen(&wall, &others, view, smoothing), "{n}: {behind}");
+            }
+        }
+    }
+    assert!((12..108).contains(&hidden), "{hidden}");
+}
+
+#[test]
 fn a_box_that_is_before_or_beside_a_wall_or_that_touches_it_is_not_behind() {
     let wall = closed(Aabb { min: [-1.0, 0.0, -1.0], max: [1.0, 0.5, 1.0] });
     let at = |y: f64| Aabb { min: [-0.3, y, -0.3], max: [0.3, y + 0.2, 0.3] };
@@ -120,10 +164,14 @@ fn a_box_that_is_before_or_beside_a_wall_or_that_touches_it_is_not_behind() {
         assert!(!is_behind(&wall, at(-5.0), view, Smoothing::Four));
         let away = Aabb { min: [50.0, 1.0, 0.0], max: [51.0, 2.0, 1.0] };
         assert!(is_behind(&wall, away, view, Smoothing::Four));
-        let far = away.corners().map(|corner| corner.map(|c| c * 1e300));
+        let far = away.corners().map(|corner| corner.map(|c| c * 1e308));
         let wall = Painted { mesh: &wall, paint: Paint::Plain([1.0; 3]), opacity: 1.0, clips: &[] };
-        let found = are_behind(&wall, [far].into_iter(), view, Smoothing::Four, &Job::default());
-        assert!(found.is_ok());
+        let boxes = [at(2.0).corners(), at(-1.0).corners()];
+        let (two, job) = (|n: usize| boxes[n], Job::default());
+        let found = |most| boxes_in_sight(&wall, (two, 2, most), view, Smoothing::Four, &job);
+        assert_eq!([found(1).unwrap(), found(0).unwrap()], [Some(vec![1]), None]);
+        let found = boxes_in_sight(&wall, (|_| far, 1, 1), view, Smoothing::Four, &job);
+        assert_eq!(found.unwrap(), None);
     }
 }
 

@@ -149,8 +149,8 @@ fn check(surfaces: &[Painted<'_>], camera: &Camera, smoothing: Smoothing) -> u64
         let [columns, rows] = bins.pixels(place);
         for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
             let first = (y * TILE[0] + x) * count;
-            for point in first..first + count {
-                let (before, nearest) = &expected[point];
+            let of_pixel = expected.iter().enumerate().skip(first).take(count);
+            for (point, (before, nearest)) in of_pixel {
                 assert_eq!(tile.at(point), (&before[..], *nearest), "{place:?}, {x}, {y}");
             }
         }
