@@ -20,7 +20,8 @@ use isokit::{
     geom::{Aabb, Space},
     mesh::TriMesh,
     pipeline::{Scan, ScanFile},
-    scene::{Needs, Scene},
+    render::Size,
+    scene::{Needs, Scene, Viewpoint},
 };
 use std::time::Instant;
 
@@ -78,14 +79,9 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
     }
     if has_pictures && !is_plan {
         if let (Some(scan), ModeWord::Surfaces) = (&seen.scan, plan.mode) {
-            let made = timed(&mut timings.extract, || {
-                let scene = plan.neediest(&seen.scene);
-                match plan.is_on_screen {
-                    true => detail::meshes((&scene, scan), camera, &mut skipped, session),
-                    false => Ok(scene.meshes(scan, camera, &session.job)?),
-                }
-            });
-            seen.meshes = made?;
+            let scene = (&plan.neediest(&seen.scene), scan);
+            let make = || meshes(plan, scene, camera, &mut skipped, session);
+            seen.meshes = timed(&mut timings.extract, make)?;
         }
         pictures::pictures(plan, &mut seen, (&mut skipped, &mut timings), session)?;
         pictures::channels(plan, &seen, session)?;
@@ -115,6 +111,26 @@ fn render(plan: &RenderPlan, session: &mut Session<'_, '_>) -> Result<String> {
         ..RenderReport::new(&session.command, input)
     };
     Ok(to_json(&report)?)
+}
+
+/// The surfaces that pictures need.
+fn meshes(
+    plan: &RenderPlan,
+    (scene, scan): (&Scene, &Scan),
+    camera: (&[Viewpoint], Size),
+    skipped: &mut RenderSkipped,
+    session: &Session<'_, '_>,
+) -> Result<Vec<TriMesh>> {
+    if plan.is_on_screen {
+        return detail::meshes((scene, scan), camera, skipped, session);
+    }
+    // Each alone is seen whole, and what is written beside a picture is of other points.
+    if plan.is_sheet || !plan.channels.is_empty() {
+        return Ok(scene.meshes(scan, camera, &session.job)?);
+    }
+    let made = scene.meshes_in_sight(scan, camera, &session.job)?;
+    made.hidden.iter().for_each(|&n| skipped.add_hidden(n, &scene.surfaces[n]));
+    Ok(made.meshes)
 }
 
 fn surfaces(plan: &RenderPlan, seen: &Seen) -> Vec<DrawnSurface> {

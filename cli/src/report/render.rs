@@ -5,7 +5,7 @@ use crate::scene_file::ModeWord;
 use isokit::{
     pipeline::Lattice,
     render::{Cast, Drawn, Splatted, Traced},
-    scene::{Needs, SurfaceNeed},
+    scene::{Needs, SurfaceLook, SurfaceNeed, Unneeded},
 };
 use serde::Serialize;
 use std::{ops::Range, path::PathBuf};
@@ -82,7 +82,9 @@ pub(crate) struct RenderSkipped {
     pub(crate) triangles: u64,
     /// Triangles beside it, cut away or invisible.
     pub(crate) triangles_skipped: u64,
-    /// Points of translucent triangles behind what is opaque.
+    /// How often a triangle was not looked at in a part of a picture, behind all that is opaque there.
+    pub(crate) triangles_hidden: u64,
+    /// Points of other translucent triangles behind what is opaque.
     pub(crate) points_hidden: u64,
     /// Steps of rays at which a value was looked at.
     pub(crate) steps: u64,
@@ -180,9 +182,16 @@ impl RenderSkipped {
         }
     }
 
+    /// Notes a surface that lies behind opaque ones, which is known once those are made.
+    pub(crate) fn add_hidden(&mut self, number: usize, look: &SurfaceLook) {
+        let (name, why) = (look.name.clone(), Unneeded::Hidden.to_string());
+        self.surfaces.push(SkippedSurface { number, name, why });
+    }
+
     pub(crate) fn add_drawn(&mut self, drawn: &Drawn) {
         self.triangles += drawn.triangles;
         self.triangles_skipped += drawn.triangles_skipped;
+        self.triangles_hidden += drawn.triangles_hidden;
         self.points_hidden += drawn.hidden;
     }
 

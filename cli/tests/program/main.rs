@@ -7,6 +7,7 @@ mod convert;
 mod extract;
 mod failures;
 mod far;
+mod hidden;
 mod index;
 mod info;
 mod kit;

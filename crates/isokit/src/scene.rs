@@ -4,34 +4,36 @@
 //! | --- | --- |
 //! | know what is to be read, and read that | [`Scene::samples_of_surfaces`], [`Scene::samples_of_rays`] |
 //! | know what is computed, and what not | [`Scene::needs`], [`Scene::needs_of_rays`] |
-//! | make the surfaces that can be seen | [`Scene::meshes`], [`Scene::meshes_on_screen`] |
+//! | make the surfaces that can be seen | [`Scene::meshes_in_sight`], [`Scene::meshes`], [`Scene::meshes_on_screen`] |
 //! | draw them, cut and capped | [`Scene::draw`] |
 //! | or trace rays to them, without a mesh | [`Scene::trace`] |
 //! | or cast rays through the values | [`Scene::cast`], [`Scene::cast_each`] |
 //! | or lay the samples on each other | [`Scene::splat`] |
 //!
 //! A plane keeps places on one side of it. Of a surface that is cut only the part of the scan on that side is
-//! extracted, and of one that is seen from a place only what is in the picture; a surface that is transparent, or cut away
-//! altogether, is not. Samples that are NaN are outside.
+//! extracted, and of one that is seen from a place only what is in the picture; a surface that is transparent, cut away
+//! altogether, or wholly behind an opaque one, is not. Samples that are NaN are outside.
 
 mod caps;
 mod detail;
 mod error;
+mod hidden;
+mod meshes;
 mod needs;
 mod preset;
 mod viewpoint;
 
 pub use detail::OnScreen;
 pub use error::SceneError;
+pub use meshes::InSight;
 pub use needs::{Needs, SurfaceNeed, Unneeded};
 pub use preset::Preset;
 pub use viewpoint::Viewpoint;
 
-use crate::pipeline::{Normals, Scan, SurfaceOptions};
+use crate::pipeline::Scan;
 use caps::Caps;
 use isokit_geom::{Aabb, HalfSpace, Space, vector::Vector};
 use isokit_job::Job;
-use isokit_marching_cubes::{ExtractOptions, Nan};
 use isokit_mesh::{Rgba, TriMesh};
 use isokit_render::{
     Cast, Drawn, Image, Interpolant, Isosurface, Isosurfaces, Kernel, Medium, OpticalModel, Paint,
@@ -39,7 +41,6 @@ use isokit_render::{
     TransferFunction, isocast, kept_bounds, rasterize, splat,
 };
 use isokit_volume::for_any;
-use needs::Views;
 
 /// What is to be seen, from where, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,55 +118,6 @@ pub enum CapStyle {
 }
 
 impl Scene {
-    /// How a scene's surfaces are extracted: with the defaults, and NaN outside.
-    pub fn surface_options() -> SurfaceOptions {
-        SurfaceOptions::default().with_extract(ExtractOptions::DEFAULT.with_nan(Nan::Outside))
-    }
-
-    /// The surfaces of a scan that can be seen in pictures of a size from some viewpoints, each as far as it is not cut
-    /// away or beside the pictures, or a few cells farther; empty meshes for the others. Without normals, if no picture of
-    /// the scene asks for them.
-    ///
-    /// # Errors
-    ///
-    /// If a plane names a surface that is not there, if a camera sees nothing, or if an extraction fails.
-    pub fn meshes(
-        &self,
-        scan: &Scan,
-        camera: (&[Viewpoint], Size),
-        job: &Job,
-    ) -> Result<Vec<TriMesh>, SceneError> {
-        self.check_names()?;
-        let views = self.views(scan.lattice(), camera, self.raster.needs_surroundings())?;
-        self.meshes_in(scan, &views, job)
-    }
-
-    fn meshes_in(&self, scan: &Scan, views: &Views, job: &Job) -> Result<Vec<TriMesh>, SceneError> {
-        let parts: Vec<_> = self
-            .surfaces
-            .iter()
-            .map(|look| self.part_of(look, scan.lattice(), views).ok())
-            .collect();
-        let mut meshes = vec![TriMesh::default(); parts.len()];
-        let normals = if self.raster.needs_normals() { Normals::Gradient } else { Normals::None };
-        let options = Self::surface_options().with_normals(normals);
-        // Surfaces of the same part are made in one pass.
-        for n in 0..parts.len() {
-            let Some(part) = &parts[n] else { continue };
-            if parts[..n].contains(&parts[n]) {
-                continue;
-            }
-            let same: Vec<usize> = (n..parts.len()).filter(|&m| parts[m] == parts[n]).collect();
-            let isos: Vec<f64> = same.iter().filter_map(|&m| self.surfaces[m].iso).collect();
-            let mut made = vec![TriMesh::default(); isos.len()];
-            scan.meshes_of_part(part, &isos, &options, &mut made, job)?;
-            for (m, mesh) in same.into_iter().zip(made) {
-                meshes[m] = mesh;
-            }
-        }
-        Ok(meshes)
-    }
-
     /// The picture of surfaces, one for each of the scene's: of a scan, if there is one, whose values caps show. From a
     /// side all of them are in the picture; where there is none, the box.
     ///

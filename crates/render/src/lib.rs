@@ -68,7 +68,8 @@ pub use isocast::{Isosurface, Isosurfaces, Traced, isocast};
 pub use light::Light;
 pub use png::{Depth, PngError, write_channel_png, write_png};
 pub use raster::{
-    Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, kept_bounds, rasterize,
+    Cap, Drawn, Paint, Painted, RasterError, RasterOptions, Smoothing, are_behind, boxes_in_sight,
+    hides_within, kept_bounds, rasterize,
 };
 pub use raycast::{Cast, Medium, RaycastError, RaycastOptions, Raycaster, Scatter, raycast};
 pub use shading::Channel;

@@ -5,7 +5,7 @@
 //!    camera, is cut first, in space (`cut.rs`).
 //! 3. A tile finds for each of its points, several in a pixel, the nearest opaque triangle and all translucent ones
 //!    before it (`tile.rs`). Whole numbers decide: two triangles with a common side never share a point of
-//!    it, and leave none out.
+//!    it, and leave none out. Triangles that lie behind all that is opaque in the tile are not looked at.
 //! 4. What is seen at a point is sorted by depth, exactly, whatever the order of triangles (Carpenter 1984, "The
 //!    A-buffer, an antialiased hidden surface method"), and gathered front to back; a pixel is the mean of its
 //!    points (`resolve.rs`). Only what is seen is lit: once for each pixel and triangle.
@@ -13,6 +13,7 @@
 //! Triangles that meet at the same depth are in the order of their surfaces, and of their numbers within. Cells of
 //! the mesh that intersect each other are sorted point by point too.
 
+mod behind;
 mod bins;
 mod cut;
 mod resolve;
@@ -21,6 +22,7 @@ mod tile;
 mod tint;
 
 use crate::{Camera, Channel, Gathered, Image, Light, Ray, Size, shading::Shading};
+pub use behind::{are_behind, boxes_in_sight, hides_within};
 use bins::Bins;
 pub use cut::kept_bounds;
 use isokit_geom::{
@@ -220,8 +222,11 @@ pub struct Drawn {
     pub triangles_skipped: u64,
     /// How often a triangle was lit in a pixel.
     pub lit: u64,
-    /// Points of translucent triangles that lie behind what is as good as opaque, in the tiles of the picture.
+    /// Points of translucent triangles that lie behind what is as good as opaque, in the tiles of the picture: of those
+    /// that were looked at.
     pub hidden: u64,
+    /// How often a triangle was not looked at in a tile, since all of it lies behind what is opaque there.
+    pub triangles_hidden: u64,
 }
 
 impl Drawn {
@@ -231,6 +236,7 @@ impl Drawn {
             triangles_skipped: self.triangles_skipped + other.triangles_skipped,
             lit: self.lit + other.lit,
             hidden: self.hidden + other.hidden,
+            triangles_hidden: self.triangles_hidden + other.triangles_hidden,
         }
     }
 }
@@ -293,7 +299,7 @@ pub fn rasterize(
     let surfaces = &surfaces[..];
     let mut image = Image::new(size, &job.limits)?;
     let view = Viewport::new(camera, size);
-    let (bins, binned) = exactly(|| Bins::of(surfaces, &view, job))?;
+    let (bins, binned) = exactly(|| Bins::of(surfaces, &view, None, job))?;
     let resolve = Resolve { surfaces, caps, view: &view, bins: &bins, shading: &shading };
     let width = size.width.get() as usize;
     let [columns, rows] = bins.tiles();

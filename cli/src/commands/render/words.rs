@@ -18,6 +18,9 @@ pub(super) fn tell(
     session: &Session<'_, '_>,
 ) {
     samples.iter().for_each(|samples| session.console.detail(&read_line(samples)));
+    for surface in &skipped.surfaces {
+        session.console.detail(&format!("{} not made: {}", surface.name, surface.why));
+    }
     skipped_lines(mode, skipped).iter().for_each(|line| session.console.detail(line));
     let RenderTimings { read, extract, render, write, total } = timings;
     session.console.detail(&format!(
@@ -122,6 +125,10 @@ fn skipped_lines(mode: ModeWord, skipped: &RenderSkipped) -> Vec<String> {
         }),
         of_samples.and_then(|what| of(skipped.samples_skipped, skipped.samples, what)),
         of(skipped.triangles_skipped, triangles, "triangles, which are not in the picture"),
+        (skipped.triangles_hidden > 0).then(|| {
+            let triangles = grouped(skipped.triangles_hidden);
+            format!("passed {triangles} times a triangle behind all that is opaque in a part of a picture")
+        }),
         of(skipped.steps_leapt, steps, "steps of rays, where nothing can be seen"),
         of(skipped.steps_hidden, steps, "steps of rays, behind what is opaque"),
         (skipped.bricks_passed > 0).then(|| {

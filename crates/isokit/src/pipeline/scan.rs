@@ -343,7 +343,7 @@ impl Scan {
     }
 
     /// A part of the lattice, every sample where it is in the whole.
-    fn part_of<'a, T: Sample>(
+    pub(crate) fn part_of<'a, T: Sample>(
         &self,
         volume: &'a Volume<T>,
         part: &[Range<usize>; 3],

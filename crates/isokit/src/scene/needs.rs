@@ -48,6 +48,9 @@ pub enum Unneeded {
     /// It is there already.
     #[error("it is a mesh")]
     Mesh,
+    /// No picture shows it: known only once [the others are made](Scene::meshes_in_sight).
+    #[error("it is behind opaque surfaces")]
+    Hidden,
 }
 
 /// What pictures show from each of several viewpoints: for one that shows all, no planes.

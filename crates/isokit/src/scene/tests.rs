@@ -3,6 +3,7 @@
 mod beside;
 mod colors;
 mod detail;
+mod hidden;
 mod read;
 
 use super::{CapStyle, Clip, Preset, Scene, SceneError, SurfaceLook, Unneeded, Viewpoint};

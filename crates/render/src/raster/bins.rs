@@ -26,11 +26,24 @@ pub(super) struct Bins<'a> {
     first: Vec<u32>,
     /// Pieces of triangles that were cut.
     pieces: Vec<Piece>,
+    /// Pixels of the picture from left to right, and from top to bottom.
+    size: [usize; 2],
     tiles: [usize; 2],
+    /// Which of them are asked for: without a word all.
+    wanted: Option<Vec<bool>>,
     /// Where a tile's entries begin, and after the last one how many there are.
     starts: Vec<usize>,
     /// Numbers of triangles; beyond those, of pieces.
     entries: Vec<u32>,
+}
+
+/// What is in a tile: a triangle of a surface, or a piece of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub(super) surface: usize,
+    /// The triangle's number among all.
+    pub(super) triangle: u32,
+    pub(super) corners: [Seen; 3],
 }
 
 /// A piece of a triangle.
@@ -74,9 +87,11 @@ impl Found {
 }
 
 impl<'a> Bins<'a> {
+    /// Of the tiles that are `wanted`, or of all.
     pub(super) fn of(
         surfaces: &'a [Painted<'a>],
         view: &Viewport<'_>,
+        wanted: Option<Vec<bool>>,
         job: &Job,
     ) -> Result<(Self, Drawn), RasterError> {
         let mut first = vec![0_u32];
@@ -87,10 +102,22 @@ impl<'a> Bins<'a> {
             first.push(u32::try_from(2 * total).map_err(|_| RasterError::Triangles(total))? / 2);
         }
         let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
-        let tiles = [0, 1].map(|axis| size[axis].div_ceil(TILE[axis]));
+        let tiles = tiles_of(view);
         let (vertices, starts, entries) = (vec![], vec![], vec![]);
         let (opaque, pieces) = (surfaces.iter().map(Painted::is_opaque).collect(), vec![]);
-        let mut bins = Self { surfaces, opaque, vertices, first, pieces, tiles, starts, entries };
+        let bins = Self {
+            surfaces,
+            opaque,
+            vertices,
+            first,
+            pieces,
+            size,
+            tiles,
+            wanted,
+            starts,
+            entries,
+        };
+        let mut bins = bins;
         let mut drawn = Drawn::default();
         let (mut found, held) = (vec![], AtomicU64::new(0));
         for (number, surface) in surfaces.iter().enumerate() {
@@ -123,15 +150,23 @@ impl<'a> Bins<'a> {
         self.tiles
     }
 
-    /// What is in a tile: the numbers of triangles, and corners.
+    /// How many pixels of a tile are in the picture, from left to right and from top to bottom.
+    pub(super) fn pixels(&self, tile: [usize; 2]) -> [usize; 2] {
+        [0, 1].map(|axis| (self.size[axis] - tile[axis] * TILE[axis]).min(TILE[axis]))
+    }
+
+    /// What is in a tile, in the order of surfaces and of their triangles.
     #[inline]
-    pub(super) fn entries(
-        &self,
-        [column, row]: [usize; 2],
-    ) -> impl Iterator<Item = (u32, [Seen; 3])> {
+    pub(super) fn entries(&self, [column, row]: [usize; 2]) -> impl Iterator<Item = Entry> {
         let tile = row * self.tiles[0] + column;
         let entries = &self.entries[self.starts[tile]..self.starts[tile + 1]];
         entries.iter().map(|&entry| self.entry(entry))
+    }
+
+    /// What of it does not hide all behind it.
+    #[inline]
+    pub(super) fn translucent(&self, tile: [usize; 2]) -> impl Iterator<Item = Entry> {
+        self.entries(tile).filter(|entry| !self.hides(entry.surface))
     }
 
     /// The surface of a triangle, and the triangle's number in its mesh.
@@ -141,24 +176,30 @@ impl<'a> Bins<'a> {
         (surface, (triangle - self.first[surface]) as usize)
     }
 
-    /// Whether a triangle hides all behind it.
+    /// Whether a surface hides all behind it.
     #[inline]
-    pub(super) fn is_opaque(&self, triangle: u32) -> bool {
-        self.opaque[self.place(triangle).0]
+    pub(super) fn hides(&self, surface: usize) -> bool {
+        self.opaque[surface]
     }
 
-    /// The triangle that an entry is one of or a piece of, and its corners.
+    /// Whether a triangle does.
     #[inline]
-    fn entry(&self, entry: u32) -> (u32, [Seen; 3]) {
+    pub(super) fn is_opaque(&self, triangle: u32) -> bool {
+        self.hides(self.place(triangle).0)
+    }
+
+    #[inline]
+    fn entry(&self, entry: u32) -> Entry {
         match entry.checked_sub(self.first[self.surfaces.len()]) {
             None => {
-                let (surface, triangle) = self.place(entry);
-                let corners = self.surfaces[surface].mesh.triangles[triangle];
-                (entry, corners.map(|vertex| self.vertices[surface][vertex as usize]))
+                let (surface, number) = self.place(entry);
+                let corners = self.surfaces[surface].mesh.triangles[number];
+                let corners = corners.map(|vertex| self.vertices[surface][vertex as usize]);
+                Entry { surface, triangle: entry, corners }
             }
             Some(piece) => {
                 let Piece { of, corners } = self.pieces[piece as usize];
-                (of, corners)
+                Entry { surface: self.place(of).0, triangle: of, corners }
             }
         }
     }
@@ -224,6 +265,8 @@ impl<'a> Bins<'a> {
         let is_seen = !columns.is_empty() && !rows.is_empty();
         for row in rows {
             let tiles = columns.clone().map(|column| row * self.tiles[0] as i64 + column);
+            let wanted = self.wanted.as_deref();
+            let tiles = tiles.filter(|&tile| wanted.is_none_or(|wanted| wanted[tile as usize]));
             entries.extend(tiles.map(|tile| (tile as u32, entry)));
         }
         is_seen
@@ -259,6 +302,12 @@ impl<'a> Bins<'a> {
         }
         Ok(())
     }
+}
+
+/// How many tiles a picture has, from left to right and from top to bottom.
+pub(super) fn tiles_of(view: &Viewport<'_>) -> [usize; 2] {
+    let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
+    [0, 1].map(|axis| size[axis].div_ceil(TILE[axis]))
 }
 
 /// The vertices of a surface in the picture; those that a plane cuts off stand for what needs a closer look.

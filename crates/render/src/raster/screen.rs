@@ -95,20 +95,55 @@ impl<'a> Viewport<'a> {
 
     /// Where in the picture something is that all sides keep.
     #[inline(always)]
-    pub(super) fn seen(&self, [right, up, ahead]: Vector) -> Seen {
+    pub(super) fn seen(&self, place: Vector) -> Seen {
+        let (place, depth) = self.pixels(place);
+        Seen { place: place.map(parts), depth: depth as f32 }
+    }
+
+    /// The same in pixels, before it is rounded.
+    #[inline(always)]
+    pub(super) fn pixels(&self, [right, up, ahead]: Vector) -> ([f64; 2], f64) {
         let (scale, depth) = match self.is_parallel {
             true => (self.scale, ahead - self.distance),
             false => (self.scale / ahead, (ahead - self.distance) / ahead),
         };
-        let x = self.middle[0] + scale * right;
-        let y = self.middle[1] - scale * up;
-        Seen { place: [parts(x), parts(y)], depth: depth as f32 }
+        ([self.middle[0] + scale * right, self.middle[1] - scale * up], depth)
+    }
+
+    /// Whether something so far ahead is seen, if it is not aside.
+    pub(super) fn is_ahead(&self, ahead: f64) -> bool {
+        ahead >= self.near
+    }
+
+    /// How far aside, for each step ahead, the picture shows something at most; 0 if rays are side by side.
+    pub(super) fn slope(&self) -> f64 {
+        if self.is_parallel { 0.0 } else { self.middle[0].hypot(self.middle[1]) / self.scale }
+    }
+
+    /// Parts of a pixel that something so far ahead is moved by in the picture, if it is moved by 1 aside.
+    pub(super) fn parts_of_one(&self, ahead: f64) -> f64 {
+        let pixels = if self.is_parallel { self.scale } else { self.scale / ahead };
+        pixels * f64::from(PARTS)
+    }
+
+    /// How far at most a place that is so far ahead, or nearer, is from where the picture has it, across and along rays:
+    /// places in the picture are whole numbers, and depths have the digits of `f32`.
+    pub(super) fn rounding(&self, [near, far]: [f64; 2]) -> f64 {
+        let across = 1.0 / f64::from(PARTS) / self.scale;
+        let digits = f64::from(f32::EPSILON);
+        let along =
+            [near, far].map(|ahead| (ahead - self.distance).abs()).into_iter().fold(0.0, f64::max);
+        match self.is_parallel {
+            true => across + digits * along,
+            // A depth d is that of a place distance / (1 − d) ahead.
+            false => far * across + digits * along * far / self.distance,
+        }
     }
 
     /// The depth of a place along the ray of a point of the picture.
     pub(super) fn depth(&self, place: Vector) -> Option<f32> {
         let view = self.view(place);
-        (view[2] >= self.near).then(|| self.seen(view).depth)
+        self.is_ahead(view[2]).then(|| self.seen(view).depth)
     }
 
     /// The ray of a point of the picture, in pixels from its upper left corner.

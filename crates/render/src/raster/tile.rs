@@ -3,8 +3,16 @@
 //! A point is in a triangle if it is on the inner side of all three edges, which whole numbers decide; on an edge it
 //! is in one of the two triangles that the edge is common to, by the edge's direction (Pineda 1988, "A parallel
 //! algorithm for polygon rasterization").
+//!
+//! Opaque surfaces come first, in their order. A triangle whose corners all lie behind the farthest of what is opaque at
+//! the points of the tile is seen at none of them, and not looked at (Greene, Kass & Miller 1993, "Hierarchical Z-buffer
+//! visibility").
 
-use super::{Drawn, Smoothing, bins::Bins, screen::PARTS, screen::Seen};
+use super::{
+    Drawn, Smoothing,
+    bins::{Bins, Entry},
+    screen::{PARTS, Seen},
+};
 
 /// Pixels of a tile, from left to right and from top to bottom: few enough that its points stay in the first caches.
 pub(super) const TILE: [usize; 2] = [32, 16];
@@ -82,22 +90,34 @@ impl Tile {
     pub(super) fn draw(&mut self, tile: [usize; 2], bins: &Bins<'_>, drawn: &mut Drawn) {
         let Self { points, nearest, found, .. } = self;
         let corner = [0, 1].map(|axis| (tile[axis] * TILE[axis]) as i64 * i64::from(PARTS));
+        let in_picture = bins.pixels(tile);
         nearest.fill(NONE);
         found.clear();
-        let mut are_all_opaque = true;
-        for (triangle, corners) in bins.entries(tile) {
-            if bins.is_opaque(triangle) {
-                cover(points, corner, corners, |point, depth| {
-                    let key = key(depth, triangle);
-                    nearest[point] = nearest[point].min(key);
-                });
-            } else {
-                are_all_opaque = false;
+        let (mut is_opaque, mut wall) = ([false; 2], Wall::default());
+        for Entry { surface, triangle, corners } in bins.entries(tile) {
+            is_opaque[usize::from(bins.hides(surface))] = true;
+            if !bins.hides(surface) {
+                continue;
             }
+            if wall.is_old(surface, nearest.len()) {
+                wall.farthest = farthest(nearest, in_picture, points.len());
+            }
+            if wall.hides(triangle, corners) {
+                drawn.triangles_hidden += 1;
+                continue;
+            }
+            cover(points, corner, corners, |point, depth| {
+                let key = key(depth, triangle);
+                nearest[point] = nearest[point].min(key);
+            });
         }
-        if !are_all_opaque {
-            for (triangle, corners) in bins.entries(tile) {
-                if bins.is_opaque(triangle) {
+        if is_opaque[0] {
+            if is_opaque[1] {
+                wall.farthest = farthest(nearest, in_picture, points.len());
+            }
+            for Entry { triangle, corners, .. } in bins.translucent(tile) {
+                if wall.hides(triangle, corners) {
+                    drawn.triangles_hidden += 1;
                     continue;
                 }
                 cover(points, corner, corners, |point, depth| {
@@ -147,6 +167,52 @@ impl Tile {
             before[range[0] as usize..range[1] as usize].sort_unstable();
         }
     }
+}
+
+/// What is opaque in a tile, as far as it was drawn.
+#[derive(Debug)]
+struct Wall {
+    /// The farthest key of a point of the picture when that was last looked for.
+    farthest: u64,
+    /// The surface that is being drawn.
+    surface: Option<usize>,
+    /// Triangles of it that came since.
+    came: usize,
+}
+
+impl Default for Wall {
+    fn default() -> Self {
+        Self { farthest: NONE, surface: None, came: 0 }
+    }
+}
+
+impl Wall {
+    /// Whether to look again before a triangle of a surface is drawn: another one is whole, or so many of this one
+    /// came that to look at all points takes little longer.
+    fn is_old(&mut self, surface: usize, points: usize) -> bool {
+        let is_other = self.surface.is_some_and(|before| before != surface);
+        self.surface = Some(surface);
+        let is_old = is_other || self.came == points;
+        self.came = if is_old { 1 } else { self.came + 1 };
+        is_old
+    }
+
+    /// Whether a triangle lies behind it wherever it lies: no point of a triangle is nearer than all corners.
+    fn hides(&self, triangle: u32, corners: [Seen; 3]) -> bool {
+        corners.iter().all(|corner| key(corner.depth, triangle) >= self.farthest)
+    }
+}
+
+/// The farthest of the keys of points in the picture: so many columns and rows of pixels.
+fn farthest(nearest: &[u64], [columns, rows]: [usize; 2], points: usize) -> u64 {
+    let mut farthest = 0;
+    for row in nearest.chunks_exact(TILE[0] * points).take(rows) {
+        farthest = row[..columns * points].iter().fold(farthest, |most, &key| most.max(key));
+        if farthest == NONE {
+            break;
+        }
+    }
+    farthest
 }
 
 /// Names each point in a triangle, with its depth there. `corner` is the tile's, in parts of a pixel.
@@ -228,77 +294,4 @@ impl Edge {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Seen, Smoothing, TILE, cover, key, triangle_of};
-
-    fn seen(x: i32, y: i32) -> Seen {
-        Seen { place: [x, y], depth: 1.0 }
-    }
-
-    /// How often each point of the first tile is in one of the triangles.
-    fn hits(triangles: &[[Seen; 3]], smoothing: Smoothing) -> Vec<u32> {
-        let points = smoothing.points();
-        let mut hits = vec![0; TILE[0] * TILE[1] * points.len()];
-        for &corners in triangles {
-            cover(&points, [0, 0], corners, |point, _| hits[point] += 1);
-        }
-        hits
-    }
-
-    #[test]
-    fn triangles_around_a_vertex_share_no_point_and_leave_none_out() {
-        let rim = [(0, 0), (4096, 0), (8192, 0), (8192, 4096), (5000, 4096), (0, 4096), (0, 128)];
-        // The middle itself is a point, and points are on edges from it.
-        for middle in [(4096 + 128, 2048 + 128), (32, 96), (1999, 1), (128, 128)] {
-            let fan = (0..rim.len()).map(|n| {
-                let [a, b] = [rim[n], rim[(n + 1) % rim.len()]].map(|(x, y)| seen(x, y));
-                let [a, b] = if n % 2 == 0 { [a, b] } else { [b, a] };
-                [a, b, seen(middle.0, middle.1)]
-            });
-            let fan: Vec<_> = fan.collect();
-            for smoothing in [Smoothing::None, Smoothing::Four, Smoothing::Sixteen] {
-                assert!(hits(&fan, smoothing).into_iter().all(|n| n == 1), "{middle:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn no_two_points_of_a_pixel_are_in_a_row_or_column() {
-        for (smoothing, count) in
-            [(Smoothing::None, 1), (Smoothing::Four, 4), (Smoothing::Sixteen, 16)]
-        {
-            let points = smoothing.points();
-            assert_eq!(points.len(), count);
-            for axis in [0, 1] {
-                let mut ends: Vec<_> = points.iter().map(|point| point[axis]).collect();
-                ends.sort_unstable();
-                let expected: Vec<_> =
-                    (0..count as i32).map(|n| (2 * n + 1) * 128 / count as i32).collect();
-                assert_eq!(ends, expected);
-            }
-        }
-    }
-
-    #[test]
-    fn keys_are_in_the_order_of_depth_and_then_of_triangles() {
-        let depths = [f32::MIN, -2.0, -1e-30, -0.0, 0.0, 1e-40, 3.0, f32::MAX, f32::INFINITY];
-        let keys = depths.map(|depth| key(depth, 7));
-        assert!(keys.is_sorted());
-        assert!(key(3.0, 7) < key(3.0, 8) && key(3.0, u32::MAX) < key(3.0_f32.next_up(), 0));
-        assert_eq!(triangle_of(keys[3]), 7);
-    }
-
-    #[test]
-    fn depth_changes_linearly_from_corner_to_corner() {
-        let corners = [(0, 0, 1.0), (8192, 0, 3.0), (0, 4096, 2.0)];
-        let corners = corners.map(|(x, y, depth)| Seen { place: [x, y], depth });
-        let mut count = 0;
-        cover(&Smoothing::None.points(), [0, 0], corners, |point, depth| {
-            let [x, y] = [point % TILE[0], point / TILE[0]].map(|n| n as f32 + 0.5);
-            let expected = 1.0 + 2.0 * x / 32.0 + y / 16.0;
-            assert!((depth - expected).abs() < 1e-5, "{depth} for {expected}");
-            count += 1;
-        });
-        assert_eq!(count, TILE[0] * TILE[1] / 2);
-    }
-}
+mod tests;
