@@ -22,8 +22,7 @@ use isokit_render::{
 };
 use isokit_volume::{Crossed, bare_cells, for_any};
 
-/// A surface with more cells than this near the wall is not looked at: it is sooner made. With as many, that is looked at in
-/// about 10 ms on two threads, and the wall is drawn where they are.
+/// A surface with more cells than this near the wall is not looked at: it is sooner made.
 const MOST: usize = 1 << 14;
 
 /// The greatest distance of a cap from the border of the samples, in edge lengths.
