@@ -25,6 +25,12 @@ use isokit_volume::{Crossed, bare_cells, for_any};
 /// A surface with more cells than this near the wall is not looked at: it is sooner made.
 const MOST: usize = 1 << 14;
 
+/// Nor is one of which more than one cell in so many is near the wall: few of those are hidden, and to know it takes as long.
+const SHARE: u64 = 16;
+
+/// Except if that are no more cells than these.
+const FEW: u64 = 512;
+
 /// The greatest distance of a cap from the border of the samples, in edge lengths.
 const CAP: f64 = 1.0 / 16.0;
 
@@ -140,7 +146,10 @@ impl<'a> Wall<'a> {
         for_any!(self.scan.volume(), volume => {
             let view = self.scan.part_of(volume, self.part);
             let thresholds = [outer, inner].map(|iso| view.scaling().threshold(iso));
-            bare_cells(&view, thresholds, MOST, job)
+            let found = bare_cells(&view, thresholds, MOST, job)?;
+            let is_worth_it =
+                |cells: &Crossed| cells.bare.len() as u64 <= FEW.max(cells.count / SHARE);
+            Ok(found.filter(is_worth_it))
         })
     }
 
