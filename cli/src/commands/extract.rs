@@ -188,15 +188,9 @@ fn cut(
     (isos, options): (&[f64], &SurfaceOptions),
     session: &Session<'_, '_>,
 ) -> Result<Vec<(TriMesh, Extracted)>, PipelineError> {
-    let job = &session.job;
-    let cut = |(level, &iso): (&LevelPlan, &f64)| match &plan.halves_of(&level.name(iso))[..] {
-        [] => {
-            let mut meshes = [TriMesh::default()];
-            let extracted = scan.meshes_into(&[iso], options, &mut meshes, job)?;
-            let [mesh] = meshes;
-            Ok((mesh, extracted.into_iter().next().expect("one isovalue has one surface")))
-        }
-        halves => scan.clipped_mesh(iso, halves, options, job),
+    let cut = |(level, &iso): (&LevelPlan, &f64)| {
+        let halves = plan.halves_of(&level.name(iso));
+        scan.clipped_mesh(iso, &halves, options, &session.job)
     };
     plan.levels.iter().zip(isos).map(cut).collect()
 }

@@ -34,7 +34,7 @@ const NEAR: f64 = 1e-3;
 impl Scan {
     /// The surface where the value is `iso`, of what all planes keep, closed where they cut.
     ///
-    /// Vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample; with an
+    /// Where there are planes vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample; with an
     /// [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at the most.
     ///
     /// # Errors
@@ -47,31 +47,45 @@ impl Scan {
         options: &SurfaceOptions,
         job: &Job,
     ) -> Result<(TriMesh, Extracted), PipelineError> {
+        let mut meshes = [TriMesh::default()];
+        let extracted = match planes {
+            [] => self.meshes_into(&[iso], options, &mut meshes, job)?,
+            _ => self.clip_into(iso, planes, options, (&mut meshes, job))?,
+        };
+        let [mesh] = meshes;
+        Ok((mesh, extracted.into_iter().next().expect("one isovalue has one surface")))
+    }
+
+    fn clip_into(
+        &self,
+        iso: f64,
+        planes: &[HalfSpace],
+        options: &SurfaceOptions,
+        (meshes, job): (&mut [TriMesh; 1], &Job),
+    ) -> Result<Vec<Extracted>, PipelineError> {
         let range = self.statistics(job)?.range.unwrap_or([iso, iso]);
         let linear = options.extract.clone().with_placement(Placement::Linear);
         let options = options.clone().with_extract(linear);
-        let mut meshes = [TriMesh::default()];
         let (extracted, cuts) = for_any!(self.volume(), volume => {
             let view = self.view(volume);
             let cuts = cuts(&view.frame().index_to_world, planes);
             let known = self.known(volume, &self.part(), &[iso]);
             let clipped = Clipped { view, iso, steep: steep(&view, range), cuts: &cuts, known };
             let extracted = match &clipped.known {
-                Some(_) => sparse_meshes_into(&clipped, &[iso], &options, &mut meshes, job)?,
+                Some(_) => sparse_meshes_into(&clipped, &[iso], &options, meshes, job)?,
                 None => {
                     let all = Self::new(clipped.all(job)?);
-                    all.meshes_into(&[iso], &options, &mut meshes, job)?
+                    all.meshes_into(&[iso], &options, meshes, job)?
                 }
             };
             (extracted, cuts)
         });
-        let [mut mesh] = meshes;
-        for_any!(self.volume(), volume => settle(&mut mesh, &self.view(volume), iso, &cuts));
+        let [mesh] = meshes;
+        for_any!(self.volume(), volume => settle(mesh, &self.view(volume), iso, &cuts));
         if options.normals == Normals::Area {
-            area_normals(&mut mesh, job)?;
+            area_normals(mesh, job)?;
         }
-        let extracted = extracted.into_iter().next().expect("one isovalue has one surface");
-        Ok((mesh, extracted))
+        Ok(extracted)
     }
 }
 
