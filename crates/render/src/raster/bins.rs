@@ -101,11 +101,10 @@ impl<'a> Bins<'a> {
             // Pieces are numbered after the triangles.
             first.push(u32::try_from(2 * total).map_err(|_| RasterError::Triangles(total))? / 2);
         }
-        let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
-        let tiles = tiles_of(view);
+        let (size, tiles) = (size_of_picture(view), tiles_of(view));
         let (vertices, starts, entries) = (vec![], vec![], vec![]);
         let (opaque, pieces) = (surfaces.iter().map(Painted::is_opaque).collect(), vec![]);
-        let bins = Self {
+        let mut bins = Self {
             surfaces,
             opaque,
             vertices,
@@ -117,7 +116,6 @@ impl<'a> Bins<'a> {
             starts,
             entries,
         };
-        let mut bins = bins;
         let mut drawn = Drawn::default();
         let (mut found, held) = (vec![], AtomicU64::new(0));
         for (number, surface) in surfaces.iter().enumerate() {
@@ -306,8 +304,13 @@ impl<'a> Bins<'a> {
 
 /// How many tiles a picture has, from left to right and from top to bottom.
 pub(super) fn tiles_of(view: &Viewport<'_>) -> [usize; 2] {
-    let size = [view.size.width, view.size.height].map(|n| n.get() as usize);
+    let size = size_of_picture(view);
     [0, 1].map(|axis| size[axis].div_ceil(TILE[axis]))
+}
+
+/// Pixels of a picture from left to right, and from top to bottom.
+fn size_of_picture(view: &Viewport<'_>) -> [usize; 2] {
+    [view.size.width, view.size.height].map(|n| n.get() as usize)
 }
 
 /// The vertices of a surface in the picture; those that a plane cuts off stand for what needs a closer look.
