@@ -208,19 +208,24 @@ impl<T: Lane> Between<'_, T> {
         let (samples, first) = (&self.samples, self.samples.first());
         let [to_x, to_y, to_z] = samples.strides();
         let mut rows = [[wide.f32(0.0); 4]; 4];
-        for (row, offset) in rows.iter_mut().zip([0, to_y, to_z, to_y + to_z]) {
-            let from = first + offset;
-            // SAFETY: all corners, and the samples before and after them in a row, are samples with both neighbours
-            // along two axes or more.
-            unsafe {
-                if with_outer {
-                    let four = wide.four_along_x(samples, from - to_x, numbers);
+        // SAFETY: all corners, and the samples before and after them in a row, are samples with both neighbours along
+        // two axes or more.
+        unsafe {
+            if with_outer {
+                let first = first - to_x;
+                let from = [first, first + to_y, first + to_z, first + to_y + to_z];
+                let found = wide.four_along_x(samples, from, numbers);
+                for (row, four) in rows.iter_mut().zip(found) {
                     for (to, samples) in row.iter_mut().zip(four) {
                         *to = T::Exact::to_f32(wide, samples);
                     }
-                } else {
-                    let [low, high] = wide.two_along_x(samples, from, numbers);
-                    (row[1], row[2]) = (T::Exact::to_f32(wide, low), T::Exact::to_f32(wide, high));
+                }
+            } else {
+                let from = [first, first + to_y, first + to_z, first + to_y + to_z];
+                let found = wide.two_along_x(samples, from, numbers);
+                for (row, [low, high]) in rows.iter_mut().zip(found) {
+                    row[1] = T::Exact::to_f32(wide, low);
+                    row[2] = T::Exact::to_f32(wide, high);
                 }
             }
         }
@@ -243,25 +248,34 @@ impl<T: Lane> Between<'_, T> {
     ) -> [W::F32; 3] {
         let (samples, first) = (&self.samples, self.samples.first());
         let [_, to_y, to_z] = samples.strides();
-        // Of a row beside the cell: between the two samples next to corners.
-        macro_rules! outer {
-            ($offset:expr) => {{
-                // SAFETY: they are neighbours of corners, and have both neighbours along the two axes on which they
-                // are not beside the cell.
-                let [low, high] = unsafe { wide.two_along_x(samples, first + $offset, numbers) };
-                mix(T::Exact::to_f32(wide, low), T::Exact::to_f32(wide, high), x)
-            }};
+        // Rows beside the cell, each before and after it: two along y, two along z.
+        let from = [
+            first - to_y,
+            first + 2 * to_y,
+            first + to_z - to_y,
+            first + to_z + 2 * to_y,
+            first - to_z,
+            first + 2 * to_z,
+            first + to_y - to_z,
+            first + to_y + 2 * to_z,
+        ];
+        // SAFETY: they are neighbours of corners, and have both neighbours along the two axes on which they are not
+        // beside the cell.
+        let found = unsafe { wide.two_along_x(samples, from, numbers) };
+        let mut outer = [x; 8];
+        for (outer, [low, high]) in outer.iter_mut().zip(found) {
+            *outer = mix(T::Exact::to_f32(wide, low), T::Exact::to_f32(wide, high), x);
         }
         let mut along = [a; 4];
         for (along, [before, low, high, after]) in along.iter_mut().zip(rows) {
             *along = mix(*high - *before, *after - *low, x);
         }
         let along_x = mix(mix(along[0], along[1], y), mix(along[2], along[3], y), z);
-        let low = mix(b - outer!(-to_y), outer!(2 * to_y) - a, y);
-        let high = mix(d - outer!(to_z - to_y), outer!(to_z + 2 * to_y) - c, y);
+        let low = mix(b - outer[0], outer[1] - a, y);
+        let high = mix(d - outer[2], outer[3] - c, y);
         let along_y = mix(low, high, z);
-        let low = mix(c - outer!(-to_z), outer!(2 * to_z) - a, z);
-        let high = mix(d - outer!(to_y - to_z), outer!(to_y + 2 * to_z) - b, z);
+        let low = mix(c - outer[4], outer[5] - a, z);
+        let high = mix(d - outer[6], outer[7] - b, z);
         [along_x, along_y, mix(low, high, y)]
     }
 

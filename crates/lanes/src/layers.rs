@@ -1,17 +1,14 @@
-//! Colours that lines gather, front to back, on sixteen lines at a time.
+//! Colours that lines gather, front to back.
 //!
 //! What comes next is seen through what was gathered: with colours that are multiplied by their opacity,
 //! C′ ← C′ + (1 − α) C′ᵢ and α ← α + (1 − α) αᵢ (Porter & Duff 1984, "Compositing digital images").
-//! There is one text for all levels, and no fused multiply-add, so the bits are the same. What it is worth is measured by
-//! `scripts/bench_render`.
+//! Red, green, blue and opacity are worked out side by side, line by line: seldom something is seen on all lines at once.
+//! What it is worth is measured by `scripts/bench_render`.
 
-use crate::{
-    LINES, Level,
-    wide::{Float, Mask, Task, Wide, run_at},
-};
+use crate::LINES;
 
-/// What lines have gathered: red, green and blue, each multiplied by the opacity, and the opacity.
-pub type Layers = [[f32; LINES]; 4];
+/// What lines have gathered: of each red, green and blue, multiplied by the opacity, and the opacity.
+pub type Layers = [[f32; 4]; LINES];
 
 /// What comes next on lines.
 #[derive(Clone, Copy, Debug)]
@@ -33,67 +30,101 @@ impl Next<'_> {
     ///
     /// # Panics
     ///
-    /// If a line, whether its bit is set or not, is in a part whose end is no entry.
+    /// If one of these lines is in a part whose end is no entry.
     #[inline]
     pub fn lay(&self, lines: u16, layers: &mut Layers, opaque: f32) -> u16 {
-        self.lay_at(Level::current(), lines, layers, opaque)
-    }
-
-    fn lay_at(&self, level: Level, lines: u16, layers: &mut Layers, opaque: f32) -> u16 {
-        let mut are_opaque = 0;
-        run_at(level, Lay { next: *self, lines, layers, opaque, are_opaque: &mut are_opaque });
+        let (mut left, mut are_opaque) = (lines, 0);
+        while left != 0 {
+            let n = left.trailing_zeros() as usize & (LINES - 1);
+            left &= left - 1;
+            let ends = self.ends(self.parts[n]);
+            let shade = self.shades.map(|[matt, gloss]| [matt[n], gloss[n]]);
+            let layer = &mut layers[n];
+            lay_behind(layer, ends, self.shares[n], shade);
+            are_opaque |= u16::from(layer[3] >= opaque) << n;
+        }
         are_opaque
     }
-}
 
-struct Lay<'a> {
-    next: Next<'a>,
-    lines: u16,
-    layers: &'a mut Layers,
-    opaque: f32,
-    are_opaque: &'a mut u16,
-}
-
-impl Task for Lay<'_> {
+    /// What there is at both ends of a part.
     #[inline(always)]
-    fn run<W: Wide>(self, wide: W) {
-        let Self { next: Next { entries, parts, shares, shades }, lines, layers, .. } = self;
-        let (low, high) = (wide.rows(entries, parts), wide.rows(&entries[1..], parts));
-        let share = wide.load_f32(shares);
-        let mut next = low;
-        for k in 0..4 {
-            next[k] = low[k] + (high[k] - low[k]) * share;
+    fn ends(&self, part: u32) -> &[[f32; 4]; 2] {
+        let from = self.entries.get(part as usize..);
+        match from.and_then(|from| from.first_chunk()) {
+            Some(ends) => ends,
+            None => no_part(self.entries.len(), part),
         }
-        if let Some([matt, gloss]) = shades {
-            let (matt, white) = (wide.load_f32(matt), next[3] * wide.load_f32(gloss));
-            for k in 0..3 {
-                next[k] = (next[k] * matt + white).min(next[3]);
-            }
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn no_part(count: usize, part: u32) -> ! {
+    panic!("part {part} is out of range: there are {count} ends of parts")
+}
+
+/// Lays what is so far between two ends behind a layer, under a light. Four numbers fill a register of any x86-64; the compiler
+/// makes more of them if they are not said to.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn lay_behind(
+    layer: &mut [f32; 4],
+    [low, high]: &[[f32; 4]; 2],
+    share: f32,
+    shade: Option<[f32; 2]>,
+) {
+    use std::arch::x86_64::*;
+    // SAFETY: every x86-64 has these instructions; loads and stores are of four numbers, and need no alignment.
+    unsafe {
+        let (low, own) = (_mm_loadu_ps(low.as_ptr()), _mm_loadu_ps(layer.as_ptr()));
+        let rise = _mm_sub_ps(_mm_loadu_ps(high.as_ptr()), low);
+        let mut next = _mm_add_ps(low, _mm_mul_ps(rise, _mm_set1_ps(share)));
+        if let Some([matt, gloss]) = shade {
+            let opacity = _mm_shuffle_ps::<0xFF>(next, next);
+            let white = _mm_mul_ps(opacity, _mm_set1_ps(gloss));
+            let lit = _mm_add_ps(_mm_mul_ps(next, _mm_set1_ps(matt)), white);
+            let colors = _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0));
+            let lit = _mm_and_ps(colors, _mm_min_ps(lit, opacity));
+            next = _mm_or_ps(lit, _mm_andnot_ps(colors, next));
         }
-        let (are_lines, open) = (wide.mask(lines), wide.f32(1.0) - wide.load_f32(&layers[3]));
-        let mut opacity = open;
-        for k in 0..4 {
-            let before = wide.load_f32(&layers[k]);
-            opacity = wide.select_f32(are_lines, before + open * next[k], before);
-            wide.store_f32(opacity, &mut layers[k]);
+        let open = _mm_sub_ps(_mm_set1_ps(1.0), _mm_shuffle_ps::<0xFF>(own, own));
+        _mm_storeu_ps(layer.as_mut_ptr(), _mm_add_ps(own, _mm_mul_ps(open, next)));
+    }
+}
+
+/// Lays what is so far between two ends behind a layer, under a light.
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+fn lay_behind(
+    layer: &mut [f32; 4],
+    [low, high]: &[[f32; 4]; 2],
+    share: f32,
+    shade: Option<[f32; 2]>,
+) {
+    let mut next: [f32; 4] = std::array::from_fn(|k| low[k] + (high[k] - low[k]) * share);
+    if let Some([matt, gloss]) = shade {
+        let (opacity, white) = (next[3], next[3] * gloss);
+        for part in &mut next[..3] {
+            *part = (*part * matt + white).min(opacity);
         }
-        // Never, if it is NaN.
-        let opaque = if self.opaque.is_nan() { f32::INFINITY } else { self.opaque };
-        *self.are_opaque = lines & !opacity.less(wide.f32(opaque)).bits();
+    }
+    let open = 1.0 - layer[3];
+    for (part, next) in layer.iter_mut().zip(next) {
+        *part += open * next;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Layers, Next};
-    use crate::{LINES, Level, vertices::tests::Chance};
+    use crate::{LINES, vertices::tests::Chance};
 
     fn numbers(chance: &mut Chance) -> [f32; LINES] {
         [(); LINES].map(|()| chance.below(1001) as f32 / 1000.0)
     }
 
     #[test]
-    fn every_level_lays_what_is_worked_out_line_by_line() {
+    fn what_is_laid_is_what_is_worked_out_part_by_part() {
         let mut chance = Chance(11);
         let entries: Vec<[f32; 4]> = (0..20)
             .map(|_| {
@@ -106,7 +137,7 @@ mod tests {
             let shares = numbers(&mut chance);
             let shades = [numbers(&mut chance), numbers(&mut chance)];
             let shades = (round % 2 == 0).then_some(&shades);
-            let before: Layers = [(); 4].map(|()| numbers(&mut chance));
+            let before: Layers = [(); LINES].map(|()| [(); 4].map(|()| numbers(&mut chance)[0]));
             let (next, lines) = (
                 Next { entries: &entries, parts: &parts, shares: &shares, shades },
                 chance.next() as u16,
@@ -122,17 +153,15 @@ mod tests {
                         own[k] = (own[k] * matt[n] + own[3] * gloss[n]).min(own[3]);
                     }
                 }
-                let open = 1.0 - before[3][n];
+                let open = 1.0 - before[n][3];
                 for k in 0..4 {
-                    expected.0[k][n] = before[k][n] + open * own[k];
+                    expected.0[n][k] = before[n][k] + open * own[k];
                 }
-                expected.1 |= u16::from(expected.0[3][n] >= opaque) << n;
+                expected.1 |= u16::from(expected.0[n][3] >= opaque) << n;
             }
-            for &level in Level::available() {
-                let mut layers = before;
-                let are_opaque = next.lay_at(level, lines, &mut layers, opaque);
-                assert_eq!((layers, are_opaque), expected, "{level}");
-            }
+            let mut layers = before;
+            let are_opaque = next.lay(lines, &mut layers, opaque);
+            assert_eq!((layers, are_opaque), expected);
         }
     }
 

@@ -158,59 +158,36 @@ pub trait Wide: Copy {
         unsafe { three_along_x(self, samples, from, at) }
     }
 
-    /// The samples at and above the numbers `from + at[n]` along x.
+    /// Of each row the samples at and above the numbers `from + at[n]` along x.
     ///
     /// # Safety
     ///
     /// As of [`near`](Self::near), and so of the samples above, which must be there.
     #[inline(always)]
-    unsafe fn two_along_x<T: Lane>(
+    unsafe fn two_along_x<T: Lane, const ROWS: usize>(
         self,
         samples: &Samples<'_, T>,
-        from: i64,
+        from: [i64; ROWS],
         at: Self::U32,
-    ) -> [<T::Exact as Exact>::Of<Self>; 2] {
-        let x = samples.strides()[0];
+    ) -> [[<T::Exact as Exact>::Of<Self>; 2]; ROWS] {
         // SAFETY: the caller says so.
-        unsafe { [self.near(samples, from, at), self.near(samples, from + x, at)] }
+        unsafe { one_and_one(self, samples, from, at) }
     }
 
-    /// The samples at the numbers `from + at[n]`, and the next three along x.
+    /// Of each row the samples at the numbers `from + at[n]`, and the next three along x.
     ///
     /// # Safety
     ///
     /// As of [`near`](Self::near), and so of the three above, which must be there.
     #[inline(always)]
-    unsafe fn four_along_x<T: Lane>(
+    unsafe fn four_along_x<T: Lane, const ROWS: usize>(
         self,
         samples: &Samples<'_, T>,
-        from: i64,
+        from: [i64; ROWS],
         at: Self::U32,
-    ) -> [<T::Exact as Exact>::Of<Self>; 4] {
-        let x = samples.strides()[0];
+    ) -> [[<T::Exact as Exact>::Of<Self>; 4]; ROWS] {
         // SAFETY: the caller says so.
-        unsafe {
-            let [a, b] = self.two_along_x(samples, from, at);
-            let [c, d] = self.two_along_x(samples, from + 2 * x, at);
-            [a, b, c, d]
-        }
-    }
-
-    /// Sixteen rows, turned: all first numbers of them, all second ones, and so on.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such row.
-    #[inline(always)]
-    fn rows(self, rows: &[[f32; 4]], at: &[u32; BATCH]) -> [Self::F32; 4] {
-        let mut columns = [[0.0; BATCH]; 4];
-        for (n, &at) in at.iter().enumerate() {
-            for (column, number) in columns.iter_mut().zip(row(rows, at)) {
-                column[n] = *number;
-            }
-        }
-        let [a, b, c, d] = &columns;
-        [self.load_f32(a), self.load_f32(b), self.load_f32(c), self.load_f32(d)]
+        unsafe { two_and_two(self, samples, from, at) }
     }
 
     /// Three numbers per vertex, from one register per axis.
@@ -229,19 +206,51 @@ pub trait Wide: Copy {
     }
 }
 
-/// A row of four.
+/// [`Wide::two_along_x`] one by one.
+///
+/// # Safety
+///
+/// As there.
 #[inline(always)]
-fn row(rows: &[[f32; 4]], at: u32) -> &[f32; 4] {
-    match rows.get(at as usize) {
-        Some(row) => row,
-        None => no_row(rows.len(), at),
+unsafe fn one_and_one<W: Wide, T: Lane, const ROWS: usize>(
+    wide: W,
+    samples: &Samples<'_, T>,
+    from: [i64; ROWS],
+    at: W::U32,
+) -> [[<T::Exact as Exact>::Of<W>; 2]; ROWS] {
+    let x = samples.strides()[0];
+    let mut rows = [[T::Exact::splat(wide, 0.0); 2]; ROWS];
+    for (row, from) in rows.iter_mut().zip(from) {
+        // SAFETY: the caller says that both samples are there.
+        *row = unsafe { [wide.near(samples, from, at), wide.near(samples, from + x, at)] };
     }
+    rows
 }
 
-#[cold]
-#[inline(never)]
-fn no_row(count: usize, at: u32) -> ! {
-    panic!("row {at} is out of range: there are {count}")
+/// [`Wide::four_along_x`] by two and two.
+///
+/// # Safety
+///
+/// As there.
+#[inline(always)]
+unsafe fn two_and_two<W: Wide, T: Lane, const ROWS: usize>(
+    wide: W,
+    samples: &Samples<'_, T>,
+    from: [i64; ROWS],
+    at: W::U32,
+) -> [[<T::Exact as Exact>::Of<W>; 4]; ROWS] {
+    let mut next = from;
+    for from in &mut next {
+        *from += 2 * samples.strides()[0];
+    }
+    // SAFETY: the caller says that all four samples are there.
+    let pairs =
+        unsafe { [wide.two_along_x(samples, from, at), wide.two_along_x(samples, next, at)] };
+    let mut rows = [[T::Exact::splat(wide, 0.0); 4]; ROWS];
+    for (n, row) in rows.iter_mut().enumerate() {
+        *row = [pairs[0][n][0], pairs[0][n][1], pairs[1][n][0], pairs[1][n][1]];
+    }
+    rows
 }
 
 /// [`Wide::along_x`] for samples that lie in any order.

@@ -127,57 +127,66 @@ impl<'a, T: Sample> Trilinear<'a, T> {
     fn within(&self, cell: [usize; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
         let dims = self.view.dims();
         let has = [0, 1, 2].map(|k| [cell[k] >= 1, cell[k] + 2 < dims[k]]);
-        // Of the rows around the cell, counted from that before it: the two samples in the middle.
-        let middle = |j: usize, k: usize| -> [f64; 2] {
-            let at = |i: usize| self.view.stored([cell[0] + i, cell[1] + j - 1, cell[2] + k - 1]);
-            [0, 1].map(|i| at(i).to_f64())
-        };
-        let four = |j: usize, k: usize| -> [f64; 4] {
-            let (y, z) = (cell[1] + j - 1, cell[2] + k - 1);
-            match has[0] {
-                [true, true] => match self.view.four([cell[0] - 1, y, z]) {
-                    Some(four) => four.map(Sample::to_f64),
-                    None => {
-                        [0, 1, 2, 3].map(|i| self.view.stored([cell[0] + i - 1, y, z]).to_f64())
-                    }
-                },
-                [before, after] => {
-                    let [low, high] = middle(j, k);
-                    let stored = |i: usize| self.view.stored([i, y, z]).to_f64();
-                    let before = if before { stored(cell[0] - 1) } else { 2.0 * low - high };
-                    let after = if after { stored(cell[0] + 2) } else { 2.0 * high - low };
-                    [before, low, high, after]
-                }
-            }
-        };
-        let rows = [four(1, 1), four(2, 1), four(1, 2), four(2, 2)];
-        let line: [f64; 4] = std::array::from_fn(|i| {
-            mix(mix(rows[0][i], rows[1][i], y), mix(rows[2][i], rows[3][i], y), z)
-        });
+        let [i, j, k] = cell;
+        let rows = [
+            self.four([i, j, k], has[0]),
+            self.four([i, j + 1, k], has[0]),
+            self.four([i, j, k + 1], has[0]),
+            self.four([i, j + 1, k + 1], has[0]),
+        ];
+        let mut line = [0.0; 4];
+        for (n, value) in line.iter_mut().enumerate() {
+            *value = mix(mix(rows[0][n], rows[1][n], y), mix(rows[2][n], rows[3][n], y), z);
+        }
         let [a, b, c, d] = rows.map(|row| mix(row[1], row[2], x));
-        let rise = |[before, low, high, after]: [f64; 4], share: f64| {
-            mix(high, after, share) - mix(before, low, share)
-        };
-        let outer = |is_there: bool, [j, k]: [usize; 2], near: f64, far: f64| match is_there {
-            true => {
-                let [low, high] = middle(j, k);
-                mix(low, high, x)
-            }
-            false => 2.0 * near - far,
-        };
-        let [_, [before, after], [above, below]] = has;
-        let along_y = |k: usize, low: f64, high: f64| {
-            let ends = [outer(before, [0, k], low, high), outer(after, [3, k], high, low)];
-            rise([ends[0], low, high, ends[1]], y)
-        };
-        let along_z = |j: usize, low: f64, high: f64| {
-            let ends = [outer(above, [j, 0], low, high), outer(below, [j, 3], high, low)];
-            rise([ends[0], low, high, ends[1]], z)
-        };
-        let along_y = mix(along_y(1, a, b), along_y(2, c, d), z);
-        let along_z = mix(along_z(1, a, c), along_z(2, b, d), y);
+        let along_y = mix(
+            self.along([i, j, k], (1, has[1]), x, [a, b], y),
+            self.along([i, j, k + 1], (1, has[1]), x, [c, d], y),
+            z,
+        );
+        let along_z = mix(
+            self.along([i, j, k], (2, has[2]), x, [a, c], z),
+            self.along([i, j + 1, k], (2, has[2]), x, [b, d], z),
+            y,
+        );
         // Over two samples.
         [rise(line, x), along_y, along_z].map(|rise| 0.5 * rise * self.view.scaling().slope())
+    }
+
+    /// How values rise along y or z, over two samples, between a row along x and the next. A row before or after them
+    /// that is not there goes on from them.
+    #[inline(always)]
+    fn along(
+        &self,
+        row: [usize; 3],
+        (axis, [before, after]): (usize, [bool; 2]),
+        x: f64,
+        [low, high]: [f64; 2],
+        share: f64,
+    ) -> f64 {
+        let (mut below, mut above) = (row, row);
+        below[axis] = below[axis].wrapping_sub(1);
+        above[axis] += 2;
+        let below = if before { self.middle(below, x) } else { 2.0 * low - high };
+        let above = if after { self.middle(above, x) } else { 2.0 * high - low };
+        rise([below, low, high, above], share)
+    }
+
+    /// Between a sample and the next along x.
+    #[inline(always)]
+    fn middle(&self, [x, y, z]: [usize; 3], share: f64) -> f64 {
+        let at = |x: usize| self.view.stored([x, y, z]).to_f64();
+        mix(at(x), at(x + 1), share)
+    }
+
+    /// A sample and the next along x, and those before and after them.
+    #[inline(always)]
+    fn four(&self, [x, y, z]: [usize; 3], has: [bool; 2]) -> [f64; 4] {
+        let at = |x: usize| self.view.stored([x, y, z]).to_f64();
+        let (low, high) = (at(x), at(x + 1));
+        let before = if has[0] { at(x - 1) } else { 2.0 * low - high };
+        let after = if has[1] { at(x + 2) } else { 2.0 * high - low };
+        [before, low, high, after]
     }
 
     /// A gradient in index space, in the world.
@@ -228,6 +237,12 @@ pub(crate) fn cut(
         }
     }
     (far > near).then_some([near, far])
+}
+
+/// How values rise between the two in the middle of four, over two of them.
+#[inline(always)]
+fn rise([before, low, high, after]: [f64; 4], share: f64) -> f64 {
+    mix(high, after, share) - mix(before, low, share)
 }
 
 /// Part of the way from one number to another.

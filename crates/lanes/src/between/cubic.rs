@@ -126,13 +126,12 @@ impl<T: Lane> Between<'_, T> {
         // Of each slice its value and how it rises along x and y.
         let (mut values, mut along_x, mut along_y) = ([zero; 4], [zero; 4], [zero; 4]);
         for k in 0..4 {
+            let below = self.samples.first() - to_x - to_y + (k as i64 - 1) * to_z;
+            let from = [below, below + to_y, below + 2 * to_y, below + 3 * to_y];
+            // SAFETY: they are samples around inner cells, which have both neighbours along y and z.
+            let found = unsafe { wide.four_along_x(&self.samples, from, numbers) };
             let (mut rows, mut rises) = ([zero; 4], [zero; 4]);
-            for j in 0..4 {
-                let from =
-                    self.samples.first() - to_x + (j as i64 - 1) * to_y + (k as i64 - 1) * to_z;
-                // SAFETY: they are samples around inner cells, which have both neighbours along y and z.
-                let four = unsafe { wide.four_along_x(&self.samples, from, numbers) };
-                let [a, b, c, d] = four;
+            for (j, [a, b, c, d]) in found.into_iter().enumerate() {
                 let row = [
                     T::Exact::to_f32(wide, a),
                     T::Exact::to_f32(wide, b),

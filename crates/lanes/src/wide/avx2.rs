@@ -4,10 +4,11 @@
 
 mod gather;
 mod registers;
+mod rows;
 
 use super::{BATCH, Exact, Wide, three_along_x};
 use crate::{Lane, Samples};
-use gather::{exact, gather, gather_f64, rows, words_of_four, words_of_two};
+use gather::{exact, gather, gather_f64, words_of_four};
 use registers::{Choice, F32, F64, U32, four, two};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -287,72 +288,25 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn two_along_x<T: Lane>(
+    unsafe fn two_along_x<T: Lane, const ROWS: usize>(
         self,
         samples: &Samples<'_, T>,
-        from: i64,
+        from: [i64; ROWS],
         at: U32,
-    ) -> [<T::Exact as Exact>::Of<Self>; 2] {
-        let x = samples.strides()[0];
-        if size_of::<T>() > 4 || x != 1 {
-            // SAFETY: the caller says so.
-            return unsafe { [self.near(samples, from, at), self.near(samples, from + x, at)] };
-        }
-        let base = samples.all().as_ptr().wrapping_offset(from as isize);
-        // SAFETY: there is a token, and the caller says that both samples are there, and four bytes from the
-        // first.
-        let [own, above] = unsafe {
-            match size_of::<T>() {
-                1 => {
-                    let both = gather(self, base, at);
-                    [both, two!(N => _mm256_srli_epi32::<8>(both[N]))]
-                }
-                2 => {
-                    let both = gather(self, base, at);
-                    [both, two!(N => _mm256_srli_epi32::<16>(both[N]))]
-                }
-                _ => words_of_two(self, base.cast(), at),
-            }
-        };
-        [exact::<T>(self, own), exact::<T>(self, above)]
+    ) -> [[<T::Exact as Exact>::Of<Self>; 2]; ROWS] {
+        // SAFETY: the caller says so.
+        unsafe { rows::two_along_x(self, samples, from, at) }
     }
 
     #[inline(always)]
-    unsafe fn four_along_x<T: Lane>(
+    unsafe fn four_along_x<T: Lane, const ROWS: usize>(
         self,
         samples: &Samples<'_, T>,
-        from: i64,
+        from: [i64; ROWS],
         at: U32,
-    ) -> [<T::Exact as Exact>::Of<Self>; 4] {
-        let base = samples.all().as_ptr().wrapping_offset(from as isize);
-        let x = samples.strides()[0];
-        // SAFETY: there is a token, and the caller says that all four samples are there.
-        let words = unsafe {
-            match size_of::<T>() {
-                1 if x == 1 => {
-                    let all = gather(self, base, at);
-                    [
-                        all,
-                        two!(N => _mm256_srli_epi32::<8>(all[N])),
-                        two!(N => _mm256_srli_epi32::<16>(all[N])),
-                        two!(N => _mm256_srli_epi32::<24>(all[N])),
-                    ]
-                }
-                4 if x == 1 => words_of_four(self, base.cast(), at),
-                _ => {
-                    let [a, b] = self.two_along_x(samples, from, at);
-                    let [c, d] = self.two_along_x(samples, from + 2 * x, at);
-                    return [a, b, c, d];
-                }
-            }
-        };
-        let [a, b, c, d] = words;
-        [exact::<T>(self, a), exact::<T>(self, b), exact::<T>(self, c), exact::<T>(self, d)]
-    }
-
-    #[inline(always)]
-    fn rows(self, all: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
-        rows(self, all, at)
+    ) -> [[<T::Exact as Exact>::Of<Self>; 4]; ROWS] {
+        // SAFETY: the caller says so.
+        unsafe { rows::four_along_x(self, samples, from, at) }
     }
 
     #[inline(always)]

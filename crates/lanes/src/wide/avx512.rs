@@ -3,9 +3,9 @@
 mod gather;
 mod registers;
 
-use super::{BATCH, Exact, Wide, three_along_x};
+use super::{BATCH, Exact, Wide, one_and_one, three_along_x, two_and_two};
 use crate::{Lane, Samples};
-use gather::{exact, gather, gather_f64, rows, singly, without, words_of_two};
+use gather::{exact, gather, gather_f64, singly, without, words_of_two};
 use registers::{F32, F64, U32};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -247,67 +247,64 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn two_along_x<T: Lane>(
+    unsafe fn two_along_x<T: Lane, const ROWS: usize>(
         self,
         samples: &Samples<'_, T>,
-        from: i64,
+        from: [i64; ROWS],
         at: U32,
-    ) -> [<T::Exact as Exact>::Of<Self>; 2] {
-        let x = samples.strides()[0];
-        if size_of::<T>() > 4 || x != 1 {
+    ) -> [[<T::Exact as Exact>::Of<Self>; 2]; ROWS] {
+        if size_of::<T>() > 4 || samples.strides()[0] != 1 {
             // SAFETY: the caller says so.
-            return unsafe { [self.near(samples, from, at), self.near(samples, from + x, at)] };
+            return unsafe { one_and_one(self, samples, from, at) };
         }
-        let base = samples.all().as_ptr().wrapping_offset(from as isize);
-        // SAFETY: the caller says that both samples are there, and four bytes from the first.
-        let [own, above] = unsafe {
-            match size_of::<T>() {
-                1 => {
-                    let both = gather(self, base, at);
-                    [both, without::<8>(self, both)]
+        let mut rows = [[T::Exact::splat(self, 0.0); 2]; ROWS];
+        for (row, from) in rows.iter_mut().zip(from) {
+            let base = samples.all().as_ptr().wrapping_offset(from as isize);
+            // SAFETY: the caller says that both samples are there, and four bytes from the first.
+            let [own, above] = unsafe {
+                match size_of::<T>() {
+                    1 => {
+                        let both = gather(self, base, at);
+                        [both, without::<8>(self, both)]
+                    }
+                    2 => {
+                        let both = gather(self, base, at);
+                        [both, without::<16>(self, both)]
+                    }
+                    _ => words_of_two(self, base, at),
                 }
-                2 => {
-                    let both = gather(self, base, at);
-                    [both, without::<16>(self, both)]
-                }
-                _ => words_of_two(self, base, at),
-            }
-        };
-        [exact::<T>(self, own), exact::<T>(self, above)]
+            };
+            *row = [exact::<T>(self, own), exact::<T>(self, above)];
+        }
+        rows
     }
 
     #[inline(always)]
-    unsafe fn four_along_x<T: Lane>(
+    unsafe fn four_along_x<T: Lane, const ROWS: usize>(
         self,
         samples: &Samples<'_, T>,
-        from: i64,
+        from: [i64; ROWS],
         at: U32,
-    ) -> [<T::Exact as Exact>::Of<Self>; 4] {
-        let x = samples.strides()[0];
-        if size_of::<T>() == 1 && x == 1 {
+    ) -> [[<T::Exact as Exact>::Of<Self>; 4]; ROWS] {
+        if size_of::<T>() != 1 || samples.strides()[0] != 1 {
+            // SAFETY: the caller says so.
+            return unsafe { two_and_two(self, samples, from, at) };
+        }
+        let mut rows = [[T::Exact::splat(self, 0.0); 4]; ROWS];
+        for (row, from) in rows.iter_mut().zip(from) {
             let base = samples.all().as_ptr().wrapping_offset(from as isize);
             // SAFETY: the caller says that all four samples are there.
             let all = unsafe { gather(self, base, at) };
-            let [b, c, d] =
+            let others =
                 [without::<8>(self, all), without::<16>(self, all), without::<24>(self, all)];
-            return [
+            *row = [
                 exact::<T>(self, all),
-                exact::<T>(self, b),
-                exact::<T>(self, c),
-                exact::<T>(self, d),
+                exact::<T>(self, others[0]),
+                exact::<T>(self, others[1]),
+                exact::<T>(self, others[2]),
             ];
         }
-        // SAFETY: the caller says so.
-        unsafe {
-            let [a, b] = self.two_along_x(samples, from, at);
-            let [c, d] = self.two_along_x(samples, from + 2 * x, at);
-            [a, b, c, d]
-        }
-    }
-
-    #[inline(always)]
-    fn rows(self, all: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
-        rows(self, all, at)
+        rows
     }
 
     #[inline(always)]

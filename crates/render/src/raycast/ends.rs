@@ -50,14 +50,15 @@ impl<T: Sample> March<'_, T> {
         }
         self.look(asked, front.after(&ends), ready, None, found);
         let last = found.values;
+        let mut shades = Default::default();
         let shades = self.light.and_then(|_| {
             self.look(asked, front.after(&front.on.steps), ready, Some(&front.facing), found);
-            self.shades(found, front)
+            self.shades(found, front, &mut shades)
         });
         let mut are_opaque = 0;
         for n in (0..LINES).filter(|n| ready >> n & 1 == 1) {
             (front.ends.at[n], front.ends.values[n]) = (ends[n], last[n]);
-            let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
+            let shade = shades.map(|[matt, gloss]| [matt[n], gloss[n]]);
             let values = [first[n], last[n]].map(f64::from);
             let next = self.between(values, 1.0, shade).dimmed(self.share(front, n));
             let gathered = front.gathered(n).over(next);

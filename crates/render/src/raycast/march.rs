@@ -184,13 +184,14 @@ impl<'a, T: Sample> March<'a, T> {
     /// Adds what is seen in the next step of each ray; the bits of those that are as good as opaque then.
     #[inline(always)]
     fn gather(&self, found: &mut Found, front: &mut Front) -> u16 {
-        let shades = self.shades(found, front);
+        let mut shades = Default::default();
+        let shades = self.shades(found, front, &mut shades);
         let (mut left, mut are_opaque) = (found.seen, 0);
         if let (Some(entries), None) = (self.lookup.values(), self.cloud) {
-            // What nothing but values and light counts for, and is linear: of all rays at once.
+            // What nothing but values and light counts for, and is linear.
             left = found.bent;
             let (parts, shares) = (&found.parts, &found.shares);
-            let next = Next { entries, parts, shares, shades: shades.as_ref() };
+            let next = Next { entries, parts, shares, shades };
             are_opaque = next.lay(found.seen & !found.bent, &mut front.layers, self.opaque);
         }
         while left != 0 {
@@ -202,7 +203,7 @@ impl<'a, T: Sample> March<'a, T> {
                 value: found.values[n],
                 slope: f64::from(found.slopes[n]) * self.rise,
             };
-            let shade = shades.as_ref().map(|[matt, gloss]| [matt[n], gloss[n]]);
+            let shade = shades.map(|[matt, gloss]| [matt[n], gloss[n]]);
             let mut next = self.lookup.gathered(place, shade);
             next = next.dimmed(self.share(front, n));
             let gathered = front.gathered(n).over(next);
@@ -221,8 +222,15 @@ impl<'a, T: Sample> March<'a, T> {
     /// How gradients answer the light, matt and in gloss, if there is one. Of steps in which nothing is seen anything.
     /// Slopes that were not found are put in.
     #[inline(always)]
-    pub(super) fn shades(&self, found: &mut Found, front: &Front) -> Option<[[f32; LINES]; 2]> {
-        let mut shades = self.light.map(|light| light.shares(found.cosines));
+    pub(super) fn shades<'s>(
+        &self,
+        found: &mut Found,
+        front: &Front,
+        shades: &'s mut [[f32; LINES]; 2],
+    ) -> Option<&'s [[f32; LINES]; 2]> {
+        if let Some(light) = &self.light {
+            *shades = light.shares(found.cosines);
+        }
         let mut odd = found.odd;
         while odd != 0 {
             let n = odd.trailing_zeros() as usize;
@@ -230,11 +238,11 @@ impl<'a, T: Sample> March<'a, T> {
             let way = &front.ways[n];
             let gradient = self.field.gradient(way.at(front.on.steps[n]));
             found.slopes[n] = (length(gradient) / self.rise) as f32;
-            if let (Some(light), Some([matt, gloss])) = (&self.light, &mut shades) {
-                [matt[n], gloss[n]] = light.answer(gradient, way.towards);
+            if let Some(light) = &self.light {
+                [shades[0][n], shades[1][n]] = light.answer(gradient, way.towards);
             }
         }
-        shades
+        self.light.is_some().then_some(shades)
     }
 }
 
@@ -267,13 +275,11 @@ impl Front {
 
     /// What a ray has gathered so far.
     pub(super) fn gathered(&self, n: usize) -> Gathered {
-        let [r, g, b, opacity] = &self.layers;
-        Gathered { color: [r[n], g[n], b[n]], opacity: opacity[n] }
+        let [r, g, b, opacity] = self.layers[n];
+        Gathered { color: [r, g, b], opacity }
     }
 
     pub(super) fn set(&mut self, n: usize, Gathered { color: [r, g, b], opacity }: Gathered) {
-        for (layer, part) in self.layers.iter_mut().zip([r, g, b, opacity]) {
-            layer[n] = part;
-        }
+        self.layers[n] = [r, g, b, opacity];
     }
 }

@@ -3,10 +3,11 @@
 use super::{
     Avx2, quarters,
     registers::{F32, F64, U32, four, two},
+    rows,
 };
 use crate::{
     Lane,
-    wide::{BATCH, Exact, Wide, row},
+    wide::{BATCH, Exact, Wide},
 };
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -17,19 +18,9 @@ use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 /// They must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn gather<T>(wide: Avx2, base: *const T, at: U32) -> [__m256i; 2] {
-    let numbers = wide.store(at);
-    macro_rules! load {
-        ($n:expr) => {
-            base.wrapping_offset(numbers[$n] as i32 as isize).cast::<i32>().read_unaligned()
-        };
-    }
-    // SAFETY: there is a token, and the caller says that these bytes are there.
-    unsafe {
-        two!(N => _mm256_setr_epi32(
-            load!(8 * N), load!(8 * N + 1), load!(8 * N + 2), load!(8 * N + 3),
-            load!(8 * N + 4), load!(8 * N + 5), load!(8 * N + 6), load!(8 * N + 7),
-        ))
-    }
+    // SAFETY: the caller says so.
+    let [row] = unsafe { rows::gather(wide, [base], at) };
+    row
 }
 
 /// A number from each place.
@@ -75,18 +66,6 @@ pub(super) unsafe fn words_of_four(wide: Avx2, base: *const f32, at: U32) -> [[_
             two!(N => _mm256_castps_si256(columns[3][N])),
         ]
     }
-}
-
-/// See [`Wide::rows`].
-#[inline(always)]
-pub(super) fn rows(wide: Avx2, rows: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
-    let mut places = [rows.as_ptr().cast(); BATCH];
-    for (place, &at) in places.iter_mut().zip(at) {
-        *place = row(rows, at).as_ptr();
-    }
-    // SAFETY: these are rows of four.
-    let [a, b, c, d] = unsafe { columns(wide, places) };
-    [F32(a), F32(b), F32(c), F32(d)]
 }
 
 /// Of the four numbers from each place on: all first ones, all second ones, and so on.

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Lane,
-    wide::{BATCH, Exact, Wide, row},
+    wide::{BATCH, Exact, Wide},
 };
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -85,37 +85,6 @@ const fn every_second(first: u32) -> [u32; BATCH] {
         n += 1;
     }
     words
-}
-
-/// See [`Wide::rows`].
-#[inline(always)]
-pub(super) fn rows(_: Avx512, rows: &[[f32; 4]], at: &[u32; BATCH]) -> [F32; 4] {
-    let mut places = [rows.as_ptr().cast::<f32>(); BATCH];
-    for (place, &at) in places.iter_mut().zip(at) {
-        *place = row(rows, at).as_ptr();
-    }
-    // Rows n, n + 4, n + 8 and n + 12.
-    macro_rules! four {
-        ($n:expr) => {{
-            let low = _mm512_castps128_ps512(_mm_loadu_ps(places[$n]));
-            let two = _mm512_insertf32x4::<1>(low, _mm_loadu_ps(places[$n + 4]));
-            let three = _mm512_insertf32x4::<2>(two, _mm_loadu_ps(places[$n + 8]));
-            _mm512_insertf32x4::<3>(three, _mm_loadu_ps(places[$n + 12]))
-        }};
-    }
-    // SAFETY: there is a token, and these are rows of four.
-    unsafe {
-        let [a, b, c, d] = [four!(0), four!(1), four!(2), four!(3)];
-        // The first and second ones of rows n, n + 1 and n + 2, n + 3, and then the others.
-        let (low, next_low) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
-        let (high, next_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
-        [
-            F32(_mm512_shuffle_ps::<0b01_00_01_00>(low, next_low)),
-            F32(_mm512_shuffle_ps::<0b11_10_11_10>(low, next_low)),
-            F32(_mm512_shuffle_ps::<0b01_00_01_00>(high, next_high)),
-            F32(_mm512_shuffle_ps::<0b11_10_11_10>(high, next_high)),
-        ]
-    }
 }
 
 /// Words without so many of their lowest bits.
