@@ -304,7 +304,7 @@ class MarschnerLobb(Smooth):
     closed = False
     depth, frequency = 0.25, 6.0
     # The crests of its waves lie flat: errors depend on where slices cut them.
-    surface_rms, order_sizes = 1e-4, (128, 192, 256, 384, 512)
+    surface_rms, order_sizes = 1e-4, (192, 256, 384, 512, 768)
 
     def slopes(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Density less its middle value."""

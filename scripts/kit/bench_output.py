@@ -222,9 +222,9 @@ def plot_growth(bench: Bench, path: Path) -> None:
 
 
 def growth_request(series: Series) -> dict:
-    """The request as the row of growth makes it."""
+    """The request as the row of growth makes it: it alone says how many times in a row."""
     plain = {"op": "extract", "threads": 1, "normals": True, "warm": True}
-    return plain | {"iso": series.request.get("iso")}
+    return plain | {name: series.request.get(name) for name in ("iso", "runs")}
 
 
 def plot_index(bench: Bench, path: Path) -> None:
