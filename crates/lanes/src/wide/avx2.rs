@@ -6,7 +6,7 @@ mod gather;
 mod registers;
 mod rows;
 
-use super::{BATCH, Exact, Wide, three_along_x};
+use super::{BATCH, Exact, Wide, along::three_along_x};
 use crate::{Lane, Samples};
 use gather::{exact, gather, gather_f64, words_of_four};
 use registers::{Choice, F32, F64, U32, four, two};

@@ -3,7 +3,10 @@
 mod gather;
 mod registers;
 
-use super::{BATCH, Exact, Wide, one_and_one, three_along_x, two_and_two};
+use super::{
+    BATCH, Exact, Wide,
+    along::{one_and_one, three_along_x, two_and_two},
+};
 use crate::{Lane, Samples};
 use gather::{exact, gather, gather_f64, singly, without, words_of_two};
 use registers::{F32, F64, U32};

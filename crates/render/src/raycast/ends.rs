@@ -50,10 +50,10 @@ impl<T: Sample> March<'_, T> {
         }
         self.look(asked, front.after(&ends), ready, None, found);
         let last = found.values;
-        let mut shades = Default::default();
+        let mut room = Default::default();
         let shades = self.light.and_then(|_| {
             self.look(asked, front.after(&front.on.steps), ready, Some(&front.facing), found);
-            self.shades(found, front, &mut shades)
+            self.shades(found, front, &mut room)
         });
         let mut are_opaque = 0;
         for n in (0..LINES).filter(|n| ready >> n & 1 == 1) {

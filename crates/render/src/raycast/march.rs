@@ -184,8 +184,8 @@ impl<'a, T: Sample> March<'a, T> {
     /// Adds what is seen in the next step of each ray; the bits of those that are as good as opaque then.
     #[inline(always)]
     fn gather(&self, found: &mut Found, front: &mut Front) -> u16 {
-        let mut shades = Default::default();
-        let shades = self.shades(found, front, &mut shades);
+        let mut room = Default::default();
+        let shades = self.shades(found, front, &mut room);
         let (mut left, mut are_opaque) = (found.seen, 0);
         if let (Some(entries), None) = (self.lookup.values(), self.cloud) {
             // What nothing but values and light counts for, and is linear.
@@ -219,17 +219,17 @@ impl<'a, T: Sample> March<'a, T> {
         self.cloud.map_or(1.0, |cloud| cloud.light(front.ways[n].at(front.on.steps[n])))
     }
 
-    /// How gradients answer the light, matt and in gloss, if there is one. Of steps in which nothing is seen anything.
-    /// Slopes that were not found are put in.
+    /// How gradients answer the light, matt and in gloss, if there is one: kept in `room`. Of steps in which nothing is
+    /// seen anything. Slopes that were not found are put in.
     #[inline(always)]
     pub(super) fn shades<'s>(
         &self,
         found: &mut Found,
         front: &Front,
-        shades: &'s mut [[f32; LINES]; 2],
+        room: &'s mut [[f32; LINES]; 2],
     ) -> Option<&'s [[f32; LINES]; 2]> {
         if let Some(light) = &self.light {
-            *shades = light.shares(found.cosines);
+            *room = light.shares(found.cosines);
         }
         let mut odd = found.odd;
         while odd != 0 {
@@ -239,10 +239,10 @@ impl<'a, T: Sample> March<'a, T> {
             let gradient = self.field.gradient(way.at(front.on.steps[n]));
             found.slopes[n] = (length(gradient) / self.rise) as f32;
             if let Some(light) = &self.light {
-                [shades[0][n], shades[1][n]] = light.answer(gradient, way.towards);
+                [room[0][n], room[1][n]] = light.answer(gradient, way.towards);
             }
         }
-        self.light.is_some().then_some(shades)
+        self.light.is_some().then_some(room)
     }
 }
 

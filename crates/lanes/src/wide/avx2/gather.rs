@@ -3,11 +3,10 @@
 use super::{
     Avx2, quarters,
     registers::{F32, F64, U32, four, two},
-    rows,
 };
 use crate::{
     Lane,
-    wide::{BATCH, Exact, Wide},
+    wide::{Exact, Wide},
 };
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
@@ -19,8 +18,55 @@ use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 #[inline(always)]
 pub(super) unsafe fn gather<T>(wide: Avx2, base: *const T, at: U32) -> [__m256i; 2] {
     // SAFETY: the caller says so.
-    let [row] = unsafe { rows::gather(wide, [base], at) };
+    let [row] = unsafe { gather_rows(wide, [base], at) };
     row
+}
+
+/// Of each row the four bytes from each sample on. The rows of one place are loaded one after another, so that its
+/// number is taken out of its register once: a look at values takes 0.83 of the time of row after row (EPYC of 2021,
+/// November 2026).
+///
+/// # Safety
+///
+/// They must lie in the slice that the bases were made from, where `at` counts up and down from them.
+#[inline(always)]
+pub(super) unsafe fn gather_rows<T, const ROWS: usize>(
+    wide: Avx2,
+    bases: [*const T; ROWS],
+    at: U32,
+) -> [[__m256i; 2]; ROWS] {
+    let numbers = wide.store(at);
+    macro_rules! load {
+        ($base:expr, $n:expr) => {
+            $base.wrapping_offset(numbers[$n] as i32 as isize).cast::<i32>().read_unaligned()
+        };
+    }
+    // SAFETY: there is a token, and the caller says that these bytes are there.
+    unsafe {
+        let mut quarters = [[_mm_setzero_si128(); ROWS]; 4];
+        macro_rules! fill {
+            ($($quarter:expr),*) => {$(
+                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                    *row = _mm_cvtsi32_si128(load!(base, 4 * $quarter));
+                }
+                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                    *row = _mm_insert_epi32::<1>(*row, load!(base, 4 * $quarter + 1));
+                }
+                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                    *row = _mm_insert_epi32::<2>(*row, load!(base, 4 * $quarter + 2));
+                }
+                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                    *row = _mm_insert_epi32::<3>(*row, load!(base, 4 * $quarter + 3));
+                }
+            )*};
+        }
+        fill!(0, 1, 2, 3);
+        let mut rows = [[_mm256_setzero_si256(); 2]; ROWS];
+        for (n, row) in rows.iter_mut().enumerate() {
+            *row = two!(N => _mm256_set_m128i(quarters[2 * N + 1][n], quarters[2 * N][n]));
+        }
+        rows
+    }
 }
 
 /// A number from each place.
@@ -51,33 +97,10 @@ pub(super) unsafe fn gather_f64(wide: Avx2, base: *const f64, at: U32) -> F64 {
 /// All four must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn words_of_four(wide: Avx2, base: *const f32, at: U32) -> [[__m256i; 2]; 4] {
-    let mut places = [base; BATCH];
-    for (place, number) in places.iter_mut().zip(wide.store(at)) {
-        *place = base.wrapping_offset(number as i32 as isize);
-    }
-    // SAFETY: the caller says that the words are there.
-    let columns = unsafe { columns(wide, places) };
-    // SAFETY: there is a token.
-    unsafe {
-        [
-            two!(N => _mm256_castps_si256(columns[0][N])),
-            two!(N => _mm256_castps_si256(columns[1][N])),
-            two!(N => _mm256_castps_si256(columns[2][N])),
-            two!(N => _mm256_castps_si256(columns[3][N])),
-        ]
-    }
-}
-
-/// Of the four numbers from each place on: all first ones, all second ones, and so on.
-///
-/// # Safety
-///
-/// All four must be there.
-#[inline(always)]
-unsafe fn columns(_: Avx2, places: [*const f32; BATCH]) -> [[__m256; 2]; 4] {
+    let numbers = wide.store(at);
     macro_rules! load {
         ($n:expr) => {
-            _mm_loadu_ps(places[$n])
+            _mm_loadu_ps(base.wrapping_offset(numbers[$n] as i32 as isize))
         };
     }
     // Those of places n and n + 4.
@@ -86,7 +109,7 @@ unsafe fn columns(_: Avx2, places: [*const f32; BATCH]) -> [[__m256; 2]; 4] {
             _mm256_set_m128(load!($n + 4), load!($n))
         };
     }
-    // SAFETY: there is a token, and the caller says that the numbers are there.
+    // SAFETY: there is a token, and the caller says that the words are there.
     unsafe {
         // The first and second ones of places n, n + 1 and n + 2, n + 3, and then the others.
         let low = two!(N => _mm256_unpacklo_ps(both!(8 * N), both!(8 * N + 1)));
@@ -97,7 +120,12 @@ unsafe fn columns(_: Avx2, places: [*const f32; BATCH]) -> [[__m256; 2]; 4] {
         let second = two!(N => _mm256_shuffle_ps::<0b11_10_11_10>(low[N], next_low[N]));
         let third = two!(N => _mm256_shuffle_ps::<0b01_00_01_00>(high[N], next_high[N]));
         let fourth = two!(N => _mm256_shuffle_ps::<0b11_10_11_10>(high[N], next_high[N]));
-        [first, second, third, fourth]
+        [
+            two!(N => _mm256_castps_si256(first[N])),
+            two!(N => _mm256_castps_si256(second[N])),
+            two!(N => _mm256_castps_si256(third[N])),
+            two!(N => _mm256_castps_si256(fourth[N])),
+        ]
     }
 }
 

@@ -2,16 +2,19 @@
 
 use super::{
     Avx2,
-    gather::{exact, words_of_four, words_of_two},
+    gather::{exact, gather_rows, words_of_four, words_of_two},
     registers::{U32, two},
 };
 use crate::{
     Lane, Samples,
-    wide::{Exact, Wide, one_and_one, two_and_two},
+    wide::{
+        Exact,
+        along::{one_and_one, two_and_two},
+    },
 };
 use std::arch::x86_64::*;
 
-/// See [`Wide::two_along_x`].
+/// See [`Wide::two_along_x`](crate::wide::Wide::two_along_x).
 ///
 /// # Safety
 ///
@@ -36,7 +39,7 @@ pub(super) unsafe fn two_along_x<T: Lane, const ROWS: usize>(
                 *row = [exact::<T>(wide, own), exact::<T>(wide, above)];
             }
         } else {
-            for (row, both) in rows.iter_mut().zip(gather(wide, bases, at)) {
+            for (row, both) in rows.iter_mut().zip(gather_rows(wide, bases, at)) {
                 let above = match size_of::<T>() {
                     1 => two!(N => _mm256_srli_epi32::<8>(both[N])),
                     _ => two!(N => _mm256_srli_epi32::<16>(both[N])),
@@ -48,7 +51,7 @@ pub(super) unsafe fn two_along_x<T: Lane, const ROWS: usize>(
     rows
 }
 
-/// See [`Wide::four_along_x`].
+/// See [`Wide::four_along_x`](crate::wide::Wide::four_along_x).
 ///
 /// # Safety
 ///
@@ -75,7 +78,7 @@ pub(super) unsafe fn four_along_x<T: Lane, const ROWS: usize>(
                 }
             }
         } else {
-            for (row, all) in rows.iter_mut().zip(gather(wide, bases, at)) {
+            for (row, all) in rows.iter_mut().zip(gather_rows(wide, bases, at)) {
                 *row = [
                     exact::<T>(wide, all),
                     exact::<T>(wide, two!(N => _mm256_srli_epi32::<8>(all[N]))),
@@ -86,52 +89,6 @@ pub(super) unsafe fn four_along_x<T: Lane, const ROWS: usize>(
         }
     }
     rows
-}
-
-/// Of each row the four bytes from each sample on. The rows of one place are loaded one after another, so that its
-/// number is taken out of its register once.
-///
-/// # Safety
-///
-/// They must lie in the slice that the bases were made from, where `at` counts up and down from them.
-#[inline(always)]
-pub(super) unsafe fn gather<T, const ROWS: usize>(
-    wide: Avx2,
-    bases: [*const T; ROWS],
-    at: U32,
-) -> [[__m256i; 2]; ROWS] {
-    let numbers = wide.store(at);
-    macro_rules! load {
-        ($base:expr, $n:expr) => {
-            $base.wrapping_offset(numbers[$n] as i32 as isize).cast::<i32>().read_unaligned()
-        };
-    }
-    // SAFETY: there is a token, and the caller says that these bytes are there.
-    unsafe {
-        let mut quarters = [[_mm_setzero_si128(); ROWS]; 4];
-        macro_rules! fill {
-            ($($quarter:expr),*) => {$(
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
-                    *row = _mm_cvtsi32_si128(load!(base, 4 * $quarter));
-                }
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
-                    *row = _mm_insert_epi32::<1>(*row, load!(base, 4 * $quarter + 1));
-                }
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
-                    *row = _mm_insert_epi32::<2>(*row, load!(base, 4 * $quarter + 2));
-                }
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
-                    *row = _mm_insert_epi32::<3>(*row, load!(base, 4 * $quarter + 3));
-                }
-            )*};
-        }
-        fill!(0, 1, 2, 3);
-        let mut rows = [[_mm256_setzero_si256(); 2]; ROWS];
-        for (n, row) in rows.iter_mut().enumerate() {
-            *row = two!(N => _mm256_set_m128i(quarters[2 * N + 1][n], quarters[2 * N][n]));
-        }
-        rows
-    }
 }
 
 /// Where the samples of these numbers are.
