@@ -34,8 +34,9 @@ const NEAR: f64 = 1e-3;
 impl Scan {
     /// The surface where the value is `iso`, of what all planes keep, closed where they cut.
     ///
-    /// Where there are planes vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample; with an
-    /// [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at the most.
+    /// Where there are planes vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample;
+    /// with an [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at
+    /// the most. Without a plane it is the surface as it is.
     ///
     /// # Errors
     ///
@@ -56,6 +57,7 @@ impl Scan {
         Ok((mesh, extracted.into_iter().next().expect("one isovalue has one surface")))
     }
 
+    /// The same where there are planes, into a mesh.
     fn clip_into(
         &self,
         iso: f64,
