@@ -28,6 +28,7 @@ MODES = (
     ("--placement", "quintic", "--normals", "matching"),
     ("--topology", "table"),
     ("--degenerate", "exact"),
+    ("--diagonals", "fitted"),
     ("--nan", "mask"),
     ("--refine", "1", "--balance"),
 )

@@ -4,7 +4,8 @@ use isokit::{
     geom::{Affine, Frame},
     job::{Job, Threads},
     marching_cubes::{
-        Boundary, ExtractOptions, Gradient, Nan, Placement, Topology, extract, extract_into,
+        Boundary, Diagonals, ExtractOptions, Gradient, Nan, Placement, Topology, extract,
+        extract_into,
     },
     mesh::TriMesh,
     volume::{Grid, Sample, View, Volume},
@@ -30,7 +31,7 @@ fn volume(dims: [u64; 3]) -> Volume<f32> {
     Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
 }
 
-fn options() -> [ExtractOptions; 8] {
+fn options() -> [ExtractOptions; 9] {
     let default = || ExtractOptions::DEFAULT;
     let linear = || default().with_placement(Placement::Linear);
     [
@@ -42,6 +43,7 @@ fn options() -> [ExtractOptions; 8] {
         linear(),
         linear().with_topology(Topology::Table).with_nan(Nan::Mask),
         default().with_topology(Topology::Table).with_placement(Placement::Cubic),
+        default().with_diagonals(Diagonals::Fitted).with_nan(Nan::Mask),
     ]
 }
 

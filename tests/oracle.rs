@@ -2,7 +2,7 @@
 
 use isokit::{
     geom::{Affine, Frame},
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan, Placement, Topology},
+    marching_cubes::{Boundary, Degenerate, Diagonals, ExtractOptions, Nan, Placement, Topology},
     volume::{Grid, Sample, Scaling, Volume},
 };
 use isokit_tests::{chance::Chance, oracle::assert_as_defined};
@@ -33,6 +33,7 @@ fn options(chance: &mut Chance) -> ExtractOptions {
         .with_placement(Placement::Linear)
         .with_boundary([Boundary::Closed, Boundary::Open][of(2)])
         .with_degenerate([Degenerate::Never, Degenerate::Exact][of(2)])
+        .with_diagonals([Diagonals::Table, Diagonals::Fitted][of(2)])
         .with_nan([Nan::Outside, Nan::Mask][of(2)])
         .with_layers_per_task(NonZeroUsize::new(of(4) + 1).unwrap())
 }

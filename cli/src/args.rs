@@ -18,8 +18,8 @@ mod volume;
 mod voxelize;
 
 pub(crate) use choices::{
-    BetweenArg, BoundaryArg, DegenerateArg, MeshFormat, NanArg, NormalsArg, PlacementArg,
-    ProgressArg, SpaceArg, TopologyArg,
+    BetweenArg, BoundaryArg, DegenerateArg, DiagonalsArg, MeshFormat, NanArg, NormalsArg,
+    PlacementArg, ProgressArg, SpaceArg, TopologyArg,
 };
 pub(crate) use clip::ClipArg;
 pub(crate) use color::ColorArgs;

@@ -34,11 +34,14 @@ DOUBLE = "f64"
 MODES = (
     "linear",
     "linear trilinear",
+    "linear fitted",
     "cubic",
+    "cubic fitted",
     "cubic exact",
     "quintic exact",
     "quintic exact matching",
     "cubic balance",
+    "cubic fitted balance",
     "cubic refine=1",
     "cubic refine=1 balance",
     "cubic refine=2 balance",
@@ -50,8 +53,8 @@ MODES = (
 
 With *exact* vertices may lie on samples; without, they keep a thousandth of an edge from them, which
 matters beside an error of higher order. With *matching* normals are of the placement's order; without,
-from central differences, but where triangles are divided or balanced. *refine=N* divides every edge so
-often.
+from central differences, but where triangles are divided or balanced. With *fitted* diagonals are chosen by
+normals; without, by the table. *refine=N* divides every edge so often.
 """
 
 DRIVER = PROJECT / "target/release/examples/bench_error"
@@ -170,6 +173,7 @@ def making(mode: str) -> dict:
         "placement": "linear",
         "topology": "table",
         "matching": False,
+        "fitted": False,
         "exact": False,
         "double": False,
         "refine": 0,
@@ -182,7 +186,7 @@ def making(mode: str) -> dict:
             asked["placement"] = word
         elif word in ("table", "trilinear"):
             asked["topology"] = word
-        elif word in ("matching", "exact", "balance"):
+        elif word in ("matching", "fitted", "exact", "balance"):
             asked[word] = True
         elif word == DOUBLE:
             asked["double"] = True

@@ -4,7 +4,9 @@
 use isokit::{
     for_dtype,
     geom::Frame,
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
+    marching_cubes::{
+        Boundary, Degenerate, Diagonals, ExtractOptions, Gradient, Nan, Placement, Topology,
+    },
     volume::{AnyVolume, Dtype, Grid, Sample, Volume},
 };
 use proptest::{collection::vec, prelude::*, sample::select};
@@ -93,11 +95,12 @@ pub fn options() -> impl Strategy<Value = ExtractOptions> {
         select(vec![Placement::Linear, Placement::Cubic, Placement::Quintic]),
         select(vec![Gradient::Central, Gradient::Matching]),
         select(vec![Degenerate::Never, Degenerate::Exact]),
+        select(vec![Diagonals::Table, Diagonals::Fitted]),
     );
     (surface, vertices).prop_map(
-        |((topology, boundary, nan), (placement, gradient, degenerate))| {
+        |((topology, boundary, nan), (placement, gradient, degenerate, diagonals))| {
             let options = ExtractOptions::DEFAULT.with_topology(topology).with_boundary(boundary);
-            let options = options.with_nan(nan).with_placement(placement);
+            let options = options.with_nan(nan).with_placement(placement).with_diagonals(diagonals);
             options.with_gradient(gradient).with_degenerate(degenerate)
         },
     )

@@ -14,8 +14,8 @@ use isokit::{
     geom::Frame,
     job::{Job, Threads},
     marching_cubes::{
-        Boundary, Budget, Degenerate, ExtractOptions, Gradient, Placement, Slabs, Source, Topology,
-        extract, extract_many, extract_slabs,
+        Boundary, Budget, Degenerate, Diagonals, ExtractOptions, Gradient, Placement, Slabs,
+        Source, Topology, extract, extract_many, extract_slabs,
     },
     mesh::TriMesh,
     volume::{Bricks, Grid, Sample, Slices, View, Volume},
@@ -81,6 +81,11 @@ fn check_view<T: Sample>(view: &View<'_, T>, iso: f64) -> Surface {
         let linear = options.clone().with_placement(Placement::Linear);
         let linear = extract(view, iso, &linear, &Job::default()).unwrap();
         assert!(linear.triangles == mesh.triangles, "others than linear, {options:?}");
+        let fitted = options.clone().with_diagonals(Diagonals::Fitted);
+        let fitted = extract(view, iso, &fitted, &Job::default()).unwrap();
+        let found = Census::of(&fitted);
+        assert_eq!((found.faults(), found.euler), (0, census.euler), "{options:?}: {found:?}");
+        assert!(fitted.positions == mesh.positions, "other vertices if fitted, {options:?}");
     }
     let surfaces = options().into_iter().map(|options| {
         let (_, surface) = assert_as_defined(view, iso, &options);

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use isokit::{
     field::Between,
     io::Format,
-    marching_cubes::{Boundary, Degenerate, Gradient, Nan, Placement, Topology},
+    marching_cubes::{Boundary, Degenerate, Diagonals, Gradient, Nan, Placement, Topology},
     pipeline::{Normals, TargetSpace},
 };
 
@@ -43,6 +43,15 @@ pub(crate) enum PlacementArg {
     /// The same with six samples: O(h^6)
     #[default]
     Quintic,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DiagonalsArg {
+    /// The same way in all cells of a case
+    #[default]
+    Table,
+    /// Along the surface, by the normals of their vertices: as many triangles, which lie nearer to it where it is bent
+    Fitted,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -123,6 +132,15 @@ impl From<TopologyArg> for Topology {
         match arg {
             TopologyArg::Table => Self::Table,
             TopologyArg::Trilinear => Self::Trilinear,
+        }
+    }
+}
+
+impl From<DiagonalsArg> for Diagonals {
+    fn from(arg: DiagonalsArg) -> Self {
+        match arg {
+            DiagonalsArg::Table => Self::Table,
+            DiagonalsArg::Fitted => Self::Fitted,
         }
     }
 }

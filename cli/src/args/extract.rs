@@ -1,8 +1,8 @@
 //! The options of `extract`.
 
 use super::{
-    BoundaryArg, ClipArg, ColorArgs, DegenerateArg, LevelArg, MeshOutputArgs, NanArg, NormalsArg,
-    PlacementArg, SpaceArg, TopologyArg, VolumeArgs, memory, values,
+    BoundaryArg, ClipArg, ColorArgs, DegenerateArg, DiagonalsArg, LevelArg, MeshOutputArgs, NanArg,
+    NormalsArg, PlacementArg, SpaceArg, TopologyArg, VolumeArgs, memory, values,
 };
 use clap::Args;
 use isokit::pipeline::Region;
@@ -46,6 +46,9 @@ pub(crate) struct ExtractArgs {
     /// same [default: quintic; cubic with --refine, --max-error or --balance]
     #[arg(long, value_enum, help_heading = "Surface")]
     pub(crate) placement: Option<PlacementArg>,
+    /// How the polygons in which the surface goes through cells are cut into triangles
+    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
+    pub(crate) diagonals: DiagonalsArg,
     /// Which normals the vertices get
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) normals: NormalsArg,
@@ -103,7 +106,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, conflicts_with = "quantity", help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
-    /// the same. Not with --normals area, --refine, --max-error, --balance, --attribute or --texture, nor for -o - or NPY in Fortran order
+    /// the same. Not with --diagonals fitted, --normals area, --refine, --max-error, --balance, --attribute or --texture, nor for -o - or NPY in Fortran order
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Write a report as JSON, to a file or to - for stdout

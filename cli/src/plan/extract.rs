@@ -10,7 +10,7 @@ use anyhow::Result;
 use isokit::{
     geom::HalfSpace,
     io::{VolumeOptions, mesh_files},
-    marching_cubes::{Degenerate, ExtractOptions},
+    marching_cubes::{Degenerate, Diagonals, ExtractOptions},
     mesh::Rgba,
     pipeline::{IsoChoice, Normals, Region, SurfaceOptions, TargetSpace},
     refine::{RefineOptions, Subdivision},
@@ -102,6 +102,7 @@ impl ExtractPlan {
             .with_degenerate(args.degenerate.into())
             .with_placement(placement.into())
             .with_gradient(args.normals.into())
+            .with_diagonals(args.diagonals.into())
             .with_nan(args.nan.into());
         let surface =
             SurfaceOptions::default().with_extract(extract).with_normals(args.normals.into());
@@ -296,6 +297,9 @@ fn check_slabs(
         }
         (_, Normals::Area, _) => {
             "--normals area needs the whole mesh in memory: leave out either it or --max-memory"
+        }
+        _ if surface.extract.diagonals == Diagonals::Fitted => {
+            "--diagonals fitted needs the whole mesh in memory: leave out either it or --max-memory"
         }
         _ if !refine.do_nothing() => {
             "--refine, --max-error and --balance need the whole mesh and the whole volume in memory: \

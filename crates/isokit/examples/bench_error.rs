@@ -7,7 +7,9 @@
 use isokit::{
     job::{Job, Threads},
     lanes::prefer_large_pages,
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
+    marching_cubes::{
+        Boundary, Degenerate, Diagonals, ExtractOptions, Gradient, Nan, Placement, Topology,
+    },
     mesh::{Positions, Precision, TriMesh},
     pipeline::{Normals, Scan, SurfaceOptions},
     refine::{RefineOptions, Subdivision},
@@ -45,6 +47,8 @@ struct Making {
     topology: TopologyName,
     /// Whether normals are of the placement's order.
     matching: bool,
+    /// Whether diagonals are fitted.
+    fitted: bool,
     /// Whether vertices may lie on samples.
     exact: bool,
     /// Whether positions are kept as f64.
@@ -159,7 +163,11 @@ fn surface(making: &Making) -> SurfaceOptions {
     let extract = ExtractOptions::DEFAULT.with_boundary(Boundary::Open).with_nan(Nan::Outside);
     let gradient = if making.matching { Gradient::Matching } else { Gradient::Central };
     let extract = extract.with_placement(placement).with_gradient(gradient).with_topology(topology);
-    let extract = extract.with_degenerate(degenerate).with_precision(Some(precision));
+    let diagonals = if making.fitted { Diagonals::Fitted } else { Diagonals::Table };
+    let extract = extract
+        .with_diagonals(diagonals)
+        .with_degenerate(degenerate)
+        .with_precision(Some(precision));
     SurfaceOptions::default().with_extract(extract).with_normals(Normals::Gradient)
 }
 

@@ -76,6 +76,16 @@ impl Word {
         (0..8).fold(0, |case, k| case | ((self.corners[k] >> i & 1) as u8) << k)
     }
 
+    /// Adds the cases of all crossed cells to `out`, in their order.
+    pub fn add_cases(&self, out: &mut Vec<u8>) {
+        let mut active = self.active;
+        out.reserve(active.count_ones() as usize);
+        while active != 0 {
+            out.push(self.case(active.trailing_zeros()));
+            active &= active - 1;
+        }
+    }
+
     /// The crossed cells whose signs leave open what is connected: those with a face whose corners
     /// alternate, and those whose opposite corners have one sign each.
     #[inline(always)]

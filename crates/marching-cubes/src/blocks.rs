@@ -17,8 +17,10 @@ mod window;
 
 use crate::{
     Budget, ExtractError, ExtractOptions, Extracted, Nan, Skipped, Slabs,
+    diagonals::Cases,
     extract::{on_threads, precision},
     slabs::{Held, Making, Surface, check},
+    winding::Winding,
 };
 use isokit_job::Job;
 use isokit_lanes::exactly;
@@ -52,7 +54,7 @@ pub fn extract_sparse<T: Sample, S: MeshSink<Error: Send> + Send>(
     let blocks = BlockGrid::new(grid.dims(), job)?;
     let seek = Seek::new(source, blocks, iso, options.nan, job);
     let mut window = Window::new(seek, grid.frame, options)?;
-    let mut surface = Surface::new(iso);
+    let mut surface = Surface::new(iso, Cases::wanted(options, sink)?);
     let layers = blocks.counts[2];
     job.progress.begin("extract", 3 * grid.dims()[2]);
     for first in (0..layers).step_by(window.layers_together()) {
@@ -70,7 +72,7 @@ pub fn extract_sparse<T: Sample, S: MeshSink<Error: Send> + Send>(
     if let (Some(first), Nan::Error) = (window.nan.first, options.nan) {
         return Err(ExtractError::Nan { count: window.nan.count, first });
     }
-    let Surface { counts, singular_cells, is_begun, is_too_large, .. } = surface;
+    let Surface { counts, singular_cells, is_begun, is_too_large, cases, .. } = surface;
     if is_too_large {
         return Err(ExtractError::TooLarge {
             vertices: counts.vertices,
@@ -80,6 +82,9 @@ pub fn extract_sparse<T: Sample, S: MeshSink<Error: Send> + Send>(
     let (precision, margin) = making.precision;
     if !is_begun {
         sink.piece(counts, precision).map_err(ExtractError::Sink)?;
+    }
+    if let Some(cases) = cases {
+        on_threads(job, || cases.fit(sink, Winding::of(&grid.frame), job))?;
     }
     let all: u64 = blocks.counts.iter().map(|&n| n as u64).product();
     let skipped = Skipped {

@@ -55,6 +55,16 @@ pub enum ExtractError<E = Infallible> {
         triangles: u64,
     },
 
+    /// The caller's fault: [`Diagonals::Fitted`](crate::Diagonals::Fitted) for a sink that keeps no surface, or takes no normals.
+    #[error(
+        "diagonals are fitted in a surface that is kept in memory with its normals, and this one {}",
+        if *is_kept { "gets no normals" } else { "is handed on in pieces" }
+    )]
+    Unfitted {
+        /// Whether the sink keeps it at least.
+        is_kept: bool,
+    },
+
     /// The caller's choice: cancelled, or more memory than allowed.
     #[error(transparent)]
     Stopped(#[from] Stopped),
@@ -92,6 +102,7 @@ impl<E> ExtractError<E> {
             Self::TooLarge { vertices, triangles } => {
                 ExtractError::TooLarge { vertices, triangles }
             }
+            Self::Unfitted { is_kept } => ExtractError::Unfitted { is_kept },
             Self::Stopped(stopped) => ExtractError::Stopped(stopped),
         })
     }

@@ -2,13 +2,15 @@
 
 use crate::{
     Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Skipped, Source, Topology,
-    fill::{Fill, Winding},
+    diagonals::Cases,
+    fill::Fill,
     layout::{Layout, check_size},
     planes::{Lattice, Planes, Signs},
     sweep::{Sweep, Swept},
     tally::{Tally, Whole},
     trilinear::Values,
     vertex::Placer,
+    winding::Winding,
 };
 use isokit_job::Job;
 use isokit_lanes::{Thresholds, exactly};
@@ -108,28 +110,36 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     let source: Source<'_, T> = samples.into();
     let view = &source.view;
     let (precision, margin) = exactly(|| precision(&view.grid(), options))?;
+    let mut cases = vec![];
+    for sink in &mut *sinks {
+        cases.push(Cases::wanted(options, sink)?);
+    }
     on_threads(job, || {
         let mut filled = 0;
-        if let ([iso], [sink], None) = (isos, &mut *sinks, source.bricks) {
-            match swept(view, *iso, (precision, margin), options, sink, job)? {
+        if let ([iso], [sink], [cases], None) = (isos, &mut *sinks, &cases[..], source.bricks) {
+            match swept(view, *iso, (precision, margin), options, (sink, cases.as_ref()), job)? {
                 ControlFlow::Break(extracted) => return Ok(vec![extracted]),
                 ControlFlow::Continue(slices) => filled = slices,
             }
         }
         let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
-        let surfaces = planes.into_iter().zip(isos).zip(sinks);
-        let extract = |((mut planes, &iso), sink): ((Planes, &f64), &mut S)| {
+        let surfaces = planes.into_iter().zip(isos).zip(sinks.iter_mut().zip(&cases));
+        let extract = |((mut planes, &iso), (sink, cases)): ((Planes, &f64), (&mut S, &_))| {
+            let cases: Option<&Cases> = Option::as_ref(cases);
             let values = Values::new(*view, iso, planes.lattice.guard);
             let layout = layout(&mut planes, &values, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
             let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
             let bytes = counts.bytes(precision, sink.wants_normals());
             job.limits.probe("surface", bytes, 1)?;
+            if cases.is_some() {
+                job.limits.probe("the cases of its cells", Some(counts.triangles), 1)?;
+            }
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
                 let placer = Placer::new(*view, iso, margin, 0.0).with_options(options);
                 let winding = Winding::of(view.frame());
-                let fill = Fill { planes: &planes, layout, placer, values, winding };
+                let fill = Fill { planes: &planes, layout, placer, values, winding, cases };
                 let slices = filled..planes.lattice.points[2];
                 fill.piece(
                     slices,
@@ -138,6 +148,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
                     job,
                 )?;
             }
+            cases.map_or(Ok(()), |cases| cases.fit(sink, Winding::of(view.frame()), job))?;
             Ok(Extracted { counts, precision, margin, singular_cells, skipped })
         };
         surfaces.map(extract).collect()
@@ -151,7 +162,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     iso: f64,
     (precision, margin): (Precision, f64),
     options: &ExtractOptions,
-    sink: &mut S,
+    (sink, cases): (&mut S, Option<&Cases>),
     job: &Job,
 ) -> Result<ControlFlow<Extracted, usize>, ExtractError<S::Error>> {
     let lattice = checked(view, &[iso], options)?;
@@ -169,6 +180,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         decides: options.topology == Topology::Trilinear,
         placer: Placer::new(*view, iso, margin, 0.0).with_options(options),
         winding: Winding::of(view.frame()),
+        cases,
     };
     let mut likely = sweep.likely((precision, sink.wants_normals()), job);
     if options.nan == Nan::Mask && sweep.signs.stops_at_nan {
@@ -180,12 +192,18 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     job.progress.begin("extract", view.dims()[2] as u64);
     let (counts, singular_cells) = match sweep.run(room, job).map_err(ExtractError::from)? {
         Swept::Whole { counts, singular_cells } => (counts, singular_cells),
-        Swept::Part { filled } => return Ok(ControlFlow::Continue(filled)),
+        Swept::Part { filled } => {
+            if filled == 0 {
+                cases.into_iter().for_each(Cases::clear); // everything is done again
+            }
+            return Ok(ControlFlow::Continue(filled));
+        }
     };
     let bytes = counts.bytes(precision, sink.wants_normals());
     // The memory is there.
     job.limits.allow("surface", bytes, 1)?;
     sink.piece(counts, precision).map_err(ExtractError::Sink)?;
+    cases.map_or(Ok(()), |cases| cases.fit(sink, sweep.winding, job))?;
     let samples_read = view.dims().iter().map(|&n| n as u64).product();
     let skipped = Skipped { samples_read, ..Skipped::default() };
     Ok(ControlFlow::Break(Extracted { counts, precision, margin, singular_cells, skipped }))

@@ -2,12 +2,13 @@
 
 use crate::{
     case::{CASES, CASES_TURNED},
+    diagonals::Cases,
     layout::Layout,
     planes::Planes,
     trilinear::{Filling, SpecialWriter, Values},
     vertex::Placer,
+    winding::Winding,
 };
-use isokit_geom::Frame;
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
     BLOCK, Coordinate, Edges, FirstVertices, Word, exactly, prefer_large_pages, provide, triangles,
@@ -15,26 +16,7 @@ use isokit_lanes::{
 use isokit_mesh::{Counts, Piece, PositionsMut};
 use isokit_volume::Sample;
 use rayon::prelude::*;
-use std::ops::Range;
-
-/// Which way round triangles go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Winding {
-    /// As the table has them.
-    Kept,
-    /// The other way, since the frame mirrors.
-    Turned,
-}
-
-impl Winding {
-    /// The one that keeps triangles counter-clockwise in a frame.
-    pub(crate) fn of(frame: &Frame) -> Self {
-        match frame.index_to_world.determinant() < 0.0 {
-            true => Self::Turned,
-            false => Self::Kept,
-        }
-    }
-}
+use std::{mem, ops::Range};
 
 /// What there is to fill, and from what.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +26,8 @@ pub(crate) struct Fill<'a, T> {
     pub(crate) placer: Placer<'a, T>,
     pub(crate) values: Values<'a, T>,
     pub(crate) winding: Winding,
+    /// What cells were filled is written down there, if somebody wants to know.
+    pub(crate) cases: Option<&'a Cases>,
 }
 
 /// Vertices and triangles that are still to be written.
@@ -103,6 +87,8 @@ struct Unfilled<'a, T, C> {
     upright: Room<'a, C>,
     triangles: &'a mut [[u32; 3]],
     special: Option<SpecialWriter<'a, T, C>>,
+    /// The cases of the cells whose triangles are written, if somebody wants to know.
+    cases: Vec<u8>,
 }
 
 /// Some slices, and their part of the output.
@@ -218,9 +204,12 @@ impl<T: Sample> Fill<'_, T> {
                     self.band(*z, rows.clone(), left, (words, queues));
                 }
             }
-            for ((_, left), [along_x_and_y, along_z]) in some.iter_mut().zip(&mut *queues) {
+            for ((z, left), [along_x_and_y, along_z]) in some.iter_mut().zip(&mut *queues) {
                 self.flush(along_x_and_y, &mut left.flat);
                 self.flush(along_z, &mut left.upright);
+                if let Some(cases) = self.cases {
+                    cases.add(self.layout.before(*z).triangles, mem::take(&mut left.cases));
+                }
             }
         }
     }
@@ -253,7 +242,7 @@ impl<T: Sample> Fill<'_, T> {
             triangles: special,
             filling: Filling::default(),
         });
-        Unfilled { flat, upright, triangles, special }
+        Unfilled { flat, upright, triangles, special, cases: vec![] }
     }
 
     /// Fills what some rows of a slice make; the last vertices wait in the queues.
@@ -264,7 +253,7 @@ impl<T: Sample> Fill<'_, T> {
         left: &mut Unfilled<'_, T, C>,
         (words, [along_x_and_y, along_z]): (&mut Vec<Word>, &mut [Queue; 2]),
     ) {
-        let Unfilled { flat, upright, triangles, special } = left;
+        let Unfilled { flat, upright, triangles, special, cases } = left;
         let rows_of_block = (BLOCK / self.planes.lattice.words).max(1);
         for y in rows.clone().step_by(rows_of_block) {
             let rows = y..rows.end.min(y + rows_of_block);
@@ -278,6 +267,9 @@ impl<T: Sample> Fill<'_, T> {
             if z + 1 < self.planes.lattice.points[2] {
                 let written = self.triangles(z, words, triangles);
                 split_off(triangles, written);
+                if self.cases.is_some() {
+                    words.iter().for_each(|word| word.add_cases(cases));
+                }
             }
             match words.len() <= BLOCK {
                 true => self.edges(&[0, 1], words, along_x_and_y, flat),
@@ -387,7 +379,7 @@ pub(crate) fn in_large_pages(mut piece: Piece<'_>) -> Piece<'_> {
 
 /// Takes the first so many.
 pub(crate) fn split_off<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let (first, rest) = std::mem::take(all).split_at_mut(count);
+    let (first, rest) = mem::take(all).split_at_mut(count);
     *all = rest;
     first
 }

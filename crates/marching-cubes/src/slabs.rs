@@ -20,12 +20,14 @@ pub use budget::Budget;
 
 use crate::{
     ExtractError, ExtractOptions, Extracted, Nan, SlabError, Source, Topology,
+    diagonals::Cases,
     extract::{on_threads, precision},
-    fill::{Fill, Winding},
+    fill::Fill,
     layout::{Layout, Part},
     planes::{Lattice, Planes},
     trilinear::Values,
     vertex::Placer,
+    winding::Winding,
 };
 use isokit_job::{Job, OverLimit};
 use isokit_lanes::exactly;
@@ -62,7 +64,10 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
 ) -> Result<Vec<Extracted>, SlabError<R::Error, S::Error>> {
     let grid = *source.grid();
     check(&grid, slabs)?;
-    let mut surfaces: Vec<Surface> = slabs.isos.iter().map(|&iso| Surface::new(iso)).collect();
+    let mut surfaces = vec![];
+    for (n, &iso) in slabs.isos.iter().enumerate() {
+        surfaces.push(Surface::new(iso, Cases::wanted(slabs.options, &mut sinks.sink(n))?));
+    }
     let precision = exactly(|| precision(&grid, slabs.options))?;
     let making = Making { slabs, precision, job };
     let mut window = Window::new(&*source, slabs, job).map_err(ExtractError::from)?;
@@ -91,13 +96,17 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
     let (precision, margin) = making.precision;
     let (skipped, mut found) = (window.skipped(), vec![]);
     for (n, surface) in surfaces.into_iter().enumerate() {
-        let Surface { counts, singular_cells, is_begun, is_too_large, .. } = surface;
+        let Surface { counts, singular_cells, is_begun, is_too_large, cases, .. } = surface;
         if is_too_large {
             let Counts { vertices, triangles } = counts;
             return Err(ExtractError::TooLarge { vertices, triangles }.into());
         }
         if !is_begun {
             sinks.sink(n).piece(counts, precision).map_err(ExtractError::Sink)?;
+        }
+        if let Some(cases) = cases {
+            let winding = Winding::of(&grid.frame);
+            on_threads(job, || cases.fit(&mut sinks.sink(n), winding, job))?;
         }
         found.push(Extracted { counts, precision, margin, singular_cells, skipped });
     }
@@ -125,6 +134,8 @@ pub(crate) struct Surface {
     pub(crate) singular_cells: u64,
     pub(crate) is_begun: bool,
     pub(crate) is_too_large: bool,
+    /// If diagonals are to be fitted.
+    pub(crate) cases: Option<Cases>,
 }
 
 /// Slices of a volume that are in memory.
@@ -137,9 +148,9 @@ pub(crate) struct Held<'a, T> {
 }
 
 impl Surface {
-    pub(crate) fn new(iso: f64) -> Self {
+    pub(crate) fn new(iso: f64, cases: Option<Cases>) -> Self {
         let counts = Counts::default();
-        Self { iso, counts, singular_cells: 0, is_begun: false, is_too_large: false }
+        Self { iso, counts, singular_cells: 0, is_begun: false, is_too_large: false, cases }
     }
 }
 
@@ -197,7 +208,8 @@ impl Making<'_> {
         let placer = Placer::new(view, surface.iso, self.precision.1, first_slice)
             .with_options(self.slabs.options);
         let winding = Winding::of(view.frame());
-        let fill = Fill { planes, layout: &layout, placer, values, winding };
+        let cases = surface.cases.as_ref();
+        let fill = Fill { planes, layout: &layout, placer, values, winding, cases };
         let mut slices = part.slices;
         while !slices.is_empty() {
             let next = self.piece(&layout, &slices, sink.wants_normals())?;
@@ -205,6 +217,10 @@ impl Making<'_> {
             slices.start = next.end;
             if counts != Counts::default() {
                 surface.is_begun = true;
+                if cases.is_some() {
+                    let cells = Some(counts.triangles);
+                    self.job.limits.probe("the cases of its cells", cells, 1)?;
+                }
                 let piece = sink.piece(counts, self.precision.0).map_err(ExtractError::Sink)?;
                 let layers = self.layers_per_task(&next);
                 fill.piece(next, piece, layers, job)?;

@@ -11,11 +11,13 @@
 //! everything.
 
 use crate::{
-    fill::{Fill, Rest, Scratch, Winding, are_large, in_large_pages},
+    diagonals::Cases,
+    fill::{Fill, Rest, Scratch, are_large, in_large_pages},
     layout::{Layout, Row, check_size},
     planes::{Lattice, Planes, Signs},
     trilinear::Values,
     vertex::Placer,
+    winding::Winding,
 };
 use isokit_job::{Cancelled, Job, Turns};
 use isokit_lanes::{Coordinate, Word, exactly};
@@ -38,6 +40,7 @@ pub(crate) struct Sweep<'a, T> {
     pub(crate) decides: bool,
     pub(crate) placer: Placer<'a, T>,
     pub(crate) winding: Winding,
+    pub(crate) cases: Option<&'a Cases>,
 }
 
 /// How far it came.
@@ -217,8 +220,8 @@ impl<T: Sample> Sweep<'_, T> {
         shared.turns.pass();
         own.layout.number_from(before, ny);
         let (planes, layout) = (&own.planes, &own.layout);
-        let Self { placer, values, winding, .. } = *self;
-        let fill = Fill { planes, layout, placer, values, winding };
+        let Self { placer, values, winding, cases, .. } = *self;
+        let fill = Fill { planes, layout, placer, values, winding, cases };
         fill.some(slices, room, &mut own.scratch);
         Some(())
     }

@@ -278,6 +278,10 @@ impl MeshSink for Refill<'_> {
         self.is_lent = more.vertices > 0 && more.triangles > 0;
         self.is_lent.then(|| self.mesh.grown(held, more))
     }
+
+    fn held(&mut self) -> Option<Piece<'_>> {
+        Some(self.mesh.grown(Counts::default(), self.filled))
+    }
 }
 
 impl Drop for Refill<'_> {

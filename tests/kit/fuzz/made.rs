@@ -5,7 +5,9 @@ use crate::hard;
 use isokit::{
     for_dtype,
     geom::{Affine, Frame},
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
+    marching_cubes::{
+        Boundary, Degenerate, Diagonals, ExtractOptions, Gradient, Nan, Placement, Topology,
+    },
     volume::{AnyVolume, Dtype, Grid, Sample},
 };
 
@@ -27,6 +29,8 @@ impl Made {
         let grid = Grid::new(dims, frame).expect("small");
         let options = options(&mut bytes);
         let (choice, dtype) = (bytes.byte(), bytes.pick(&Dtype::ALL));
+        let diagonals = [Diagonals::Table, Diagonals::Fitted][usize::from(choice >> 7)];
+        let options = options.with_diagonals(diagonals);
         let (values, iso) = samples(dtype, grid.count(), bytes);
         Self { volume: hard::volume(dtype, grid, &values), iso, options, choice }
     }

@@ -4,7 +4,7 @@ use crate::pipeline::{Normals, PipelineError, Scan, SurfaceOptions};
 use isokit_field::Sampled;
 use isokit_job::Job;
 use isokit_marching_cubes::Degenerate;
-use isokit_mesh::{TriMesh, area_normals};
+use isokit_mesh::TriMesh;
 use isokit_refine::{Isosurface, RefineError, RefineOptions, Refined, refine};
 use isokit_volume::for_any;
 
@@ -60,10 +60,6 @@ pub fn refine_on(
         mesh.normals = None; // new ones are made in any case
     }
     let refined = refine(mesh, isosurface, options, job)?;
-    match surface.normals {
-        Normals::Gradient => {}
-        Normals::Area => area_normals(mesh, job)?,
-        Normals::None => mesh.normals = None,
-    }
+    surface.finish(mesh, job)?;
     Ok(refined)
 }

@@ -1,9 +1,9 @@
 //! From samples that are made where they are asked for to meshes.
 
-use crate::pipeline::{Normals, PipelineError, SurfaceOptions};
+use crate::pipeline::{PipelineError, SurfaceOptions};
 use isokit_job::Job;
 use isokit_marching_cubes::{Extracted, extract_sparse};
-use isokit_mesh::{TriMesh, area_normals};
+use isokit_mesh::TriMesh;
 use isokit_volume::{Sample, SampleSource};
 
 /// The surfaces of several isovalues of samples that are made only near them, such as those of a shape
@@ -26,14 +26,9 @@ pub fn sparse_meshes_into<T: Sample>(
 ) -> Result<Vec<Extracted>, PipelineError> {
     assert_eq!(isos.len(), meshes.len(), "one mesh per isovalue");
     let one = |(&iso, mesh): (&f64, &mut TriMesh)| {
-        match options.normals {
-            Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
-            Normals::Area | Normals::None => mesh.normals = None,
-        }
+        options.prepare(mesh);
         let extracted = extract_sparse(source, iso, &options.extract, &mut mesh.refill(), job)?;
-        if options.normals == Normals::Area {
-            area_normals(mesh, job)?;
-        }
+        options.finish(mesh, job)?;
         Ok(extracted)
     };
     isos.iter().zip(meshes).map(one).collect()

@@ -1,6 +1,9 @@
 //! How a mesh is to be made.
 
-use isokit_marching_cubes::{ExtractOptions, Gradient};
+use crate::pipeline::PipelineError;
+use isokit_job::Job;
+use isokit_marching_cubes::{Diagonals, ExtractOptions, Gradient};
+use isokit_mesh::{TriMesh, area_normals};
 use isokit_refine::RefineOptions;
 
 /// Which normals the vertices get.
@@ -51,5 +54,25 @@ impl SurfaceOptions {
             options.normals = Normals::Gradient;
         }
         options
+    }
+
+    /// Has an extraction make normals of the field, or not: where they are wanted, and where diagonals are fitted by them.
+    pub(crate) fn prepare(&self, mesh: &mut TriMesh) {
+        match self.normals {
+            Normals::Area | Normals::None if self.extract.diagonals == Diagonals::Table => {
+                mesh.normals = None;
+            }
+            _ => drop(mesh.normals.get_or_insert_default()),
+        }
+    }
+
+    /// Gives what was extracted the normals that are wanted.
+    pub(crate) fn finish(&self, mesh: &mut TriMesh, job: &Job) -> Result<(), PipelineError> {
+        match self.normals {
+            Normals::Gradient => {}
+            Normals::Area => area_normals(mesh, job)?,
+            Normals::None => mesh.normals = None,
+        }
+        Ok(())
     }
 }

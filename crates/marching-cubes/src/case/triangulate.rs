@@ -8,6 +8,7 @@
 //! Angles are compared exactly. The least angle of a triangle is at most 60°, so its cosine is positive
 //! and the squared cosine, a ratio of small integers, orders such angles backwards.
 
+use super::polygons::{least_first, triangulations};
 use isokit_geom::cube::Edge;
 use std::cmp::Ordering;
 
@@ -31,36 +32,14 @@ pub(crate) fn best(ring: &[Edge]) -> Vec<Triangle> {
 pub(crate) fn face_safe(ring: &[Edge]) -> Vec<Vec<Triangle>> {
     let follows = |p, q| (0..ring.len()).any(|i| ring[i] == p && ring[(i + 1) % ring.len()] == q);
     let is_clear = |[p, q]: [Edge; 2]| follows(p, q) || p.common_face(q).is_none();
-    let mut triangulations = all(ring);
-    triangulations.retain(|triangles| triangles.iter().flat_map(|&t| sides(t)).all(is_clear));
-    triangulations
-}
-
-/// Every triangulation of `ring`: some triangle stands on the side from its last edge to its first.
-pub(crate) fn all(ring: &[Edge]) -> Vec<Vec<Triangle>> {
-    if ring.len() < 3 {
-        return vec![vec![]]; // nothing to fill, in one way
-    }
-    let last = ring.len() - 1;
-    let mut found = vec![];
-    for tip in 1..last {
-        for before in all(&ring[..=tip]) {
-            for after in all(&ring[tip..]) {
-                found.push([&[[ring[0], ring[tip], ring[last]]], &*before, &*after].concat());
-            }
-        }
-    }
+    let mut found = triangulations(ring);
+    found.retain(|triangles| triangles.iter().flat_map(|&t| sides(t)).all(is_clear));
     found
 }
 
 /// The directed sides of a triangle.
 pub(crate) fn sides([a, b, c]: Triangle) -> [[Edge; 2]; 3] {
     [[a, b], [b, c], [c, a]]
-}
-
-/// The same triangle, named from its least edge.
-fn least_first([a, b, c]: Triangle) -> Triangle {
-    [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().expect("three ways")
 }
 
 /// The middle of an edge, in half cell sizes so that it is whole.

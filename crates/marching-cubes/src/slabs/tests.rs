@@ -199,7 +199,7 @@ fn a_surface_that_32_bits_cannot_number_is_counted_to_its_end() {
     };
     let source = &mut Slices::new(volume.view());
     let mut window = Window::new(&*source, &slabs, &job).unwrap();
-    let mut surface = Surface::new(2.0);
+    let mut surface = Surface::new(2.0, None);
     surface.counts.vertices = u64::from(u32::MAX) - 100;
     let (mut mesh, mut windows) = (TriMesh::default(), 0);
     while !window.is_last() {

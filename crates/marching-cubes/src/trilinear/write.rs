@@ -8,8 +8,9 @@ use super::{
     table::CENTRE,
 };
 use crate::{
-    fill::{Room, Winding, split_off},
+    fill::{Room, split_off},
     vertex::Placer,
+    winding::Winding,
 };
 use isokit_geom::cube::Edge;
 use isokit_lanes::{Coordinate, FirstVertices, Word};

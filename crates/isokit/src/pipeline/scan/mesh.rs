@@ -1,10 +1,10 @@
 //! The surfaces of a scan.
 
 use super::Scan;
-use crate::pipeline::{Normals, PipelineError, Remark, SurfaceOptions, error::in_whole, index};
+use crate::pipeline::{PipelineError, Remark, SurfaceOptions, error::in_whole, index};
 use isokit_job::Job;
 use isokit_marching_cubes::{Extracted, Source, extract_many};
-use isokit_mesh::{Counts, TriMesh, area_normals};
+use isokit_mesh::{Counts, TriMesh};
 use isokit_volume::for_any;
 use std::{ops::Range, slice};
 
@@ -71,12 +71,7 @@ impl Scan {
         meshes: &mut [TriMesh],
         job: &Job,
     ) -> Result<Vec<Extracted>, PipelineError> {
-        for mesh in &mut *meshes {
-            match options.normals {
-                Normals::Gradient => drop(mesh.normals.get_or_insert_default()),
-                Normals::Area | Normals::None => mesh.normals = None,
-            }
-        }
+        meshes.iter_mut().for_each(|mesh| options.prepare(mesh));
         let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let extracted = for_any!(&self.volume, volume => {
             let view = self.part_of(volume, part);
@@ -87,9 +82,7 @@ impl Scan {
         });
         let mut extracted = extracted.map_err(|error| in_whole(error, part))?;
         drop(sinks);
-        if options.normals == Normals::Area {
-            meshes.iter_mut().try_for_each(|mesh| area_normals(mesh, job))?;
-        }
+        meshes.iter_mut().try_for_each(|mesh| options.finish(mesh, job))?;
         if let Some(bricks) = &self.bricks {
             // Of an index that was left aside no brick is skipped.
             let bricks = index::bricks_of_part(bricks, &self.within(part));

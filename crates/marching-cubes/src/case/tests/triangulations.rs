@@ -1,6 +1,7 @@
 //! How loops can be filled, and that the table fills them in the best way.
 
 use super::{
+    super::polygons::triangulations,
     derive::{self, Pairing},
     triangles,
     triangulate::{self, Triangle},
@@ -12,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 fn a_loop_has_as_many_triangulations_as_catalan_says() {
     let edges: Vec<_> = Edge::all().collect();
     for (sides, count) in [(3, 1), (4, 2), (5, 5), (6, 14), (7, 42), (8, 132)] {
-        let all = triangulate::all(&edges[..sides]);
+        let all = triangulations(&edges[..sides]);
         assert!(all.iter().all(|triangles| triangles.len() == sides - 2));
         let different: BTreeSet<BTreeSet<_>> =
             all.into_iter().map(|triangles| triangles.into_iter().collect()).collect();

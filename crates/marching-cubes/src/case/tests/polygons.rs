@@ -1,0 +1,78 @@
+//! That polygons are the loops of the cases, with all ways to fill them.
+
+use super::{
+    super::{TRIANGLES, polygons::POLYGONS},
+    derive::{self, Pairing},
+    triangulate,
+};
+use isokit_geom::cube::Edge;
+use std::collections::BTreeSet;
+
+/// The triangles of a way to cut something, in whatever order, each from its least corner.
+type Way = BTreeSet<[usize; 3]>;
+
+fn way(triangles: impl IntoIterator<Item = [Edge; 3]>) -> Way {
+    let named = |triangle: [Edge; 3]| {
+        let mut triangle = triangle.map(Edge::index);
+        let least = (0..3).min_by_key(|&n| triangle[n]).unwrap();
+        triangle.rotate_left(least);
+        triangle
+    };
+    triangles.into_iter().map(named).collect()
+}
+
+#[test]
+fn the_ways_to_cut_polygons_are_all_that_keep_diagonals_out_of_faces() {
+    for case in 0..=255 {
+        let rings = derive::loops(case, Pairing::SeparateInside);
+        let mut rings = rings.iter().filter(|ring| ring.len() > 3);
+        let triangles = TRIANGLES[usize::from(case)];
+        for polygon in POLYGONS.of(case) {
+            let ring = rings.next().unwrap();
+            assert_eq!(polygon.corners, ring.len(), "{case:#010b}");
+            let own = &triangles[polygon.first..][..ring.len() - 2];
+            let corners = polygon.named[0][..ring.len()].iter();
+            let corners = corners.map(|&at| Edge::new(own.as_flattened()[usize::from(at)]));
+            assert_eq!(corners.collect::<Vec<_>>(), *ring, "{case:#010b}");
+            let turned: Vec<[u8; 3]> = own.iter().map(|&[a, b, c]| [a, c, b]).collect();
+            let corners = polygon.named[1][..ring.len()].iter();
+            let corners = corners.map(|&at| Edge::new(turned.as_flattened()[usize::from(at)]));
+            assert_eq!(corners.collect::<Vec<_>>(), *ring, "{case:#010b}, turned");
+
+            let ways = POLYGONS.fillings(polygon).iter().map(|filling| {
+                let triangles = &filling.triangles[..ring.len() - 2];
+                way(triangles.iter().map(|corners| corners.map(|n| ring[usize::from(n)])))
+            });
+            let ways: Vec<Way> = ways.collect();
+            assert_eq!(
+                ways[polygon.own],
+                way(own.iter().map(|t| t.map(Edge::new))),
+                "{case:#010b}"
+            );
+            let all: BTreeSet<Way> = triangulate::face_safe(ring).into_iter().map(way).collect();
+            assert_eq!(ways.len(), all.len(), "{case:#010b}");
+            assert_eq!(ways.into_iter().collect::<BTreeSet<_>>(), all, "{case:#010b}");
+        }
+        assert_eq!(rings.next(), None, "{case:#010b}");
+    }
+}
+
+#[test]
+fn the_diagonals_of_a_way_are_the_sides_that_its_triangles_share() {
+    let diagonals = |corners: usize| -> Vec<[usize; 2]> {
+        let pairs = (0..corners).flat_map(|a| (a + 1..corners).map(move |b| [a, b]));
+        pairs.filter(|[a, b]| b - a > 1 && b - a < corners - 1).collect()
+    };
+    for polygon in (0..=255).flat_map(|case| POLYGONS.of(case)) {
+        let corners = polygon.corners;
+        for filling in POLYGONS.fillings(polygon) {
+            let sides = filling.triangles[..corners - 2].iter();
+            let sides: Vec<_> = sides.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+            let shared = sides.iter().filter(|[a, b]| a < b && sides.contains(&[*b, *a]));
+            let shared: BTreeSet<_> = shared.map(|side| side.map(usize::from)).collect();
+            let named = filling.diagonals[..corners - 3].iter();
+            let named = named.map(|&d| diagonals(corners)[usize::from(d)]).collect();
+            assert_eq!(shared, named);
+        }
+    }
+}
