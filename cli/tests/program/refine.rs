@@ -109,6 +109,27 @@ fn several_surfaces_are_refined_each_by_its_own_value_and_threads_change_nothing
 }
 
 #[test]
+fn fitted_diagonals_join_the_same_vertices_otherwise_whatever_normals_are_kept() {
+    let folder = Folder::with_ball();
+    let counts = |surface: &Value| [surface["vertices"].clone(), surface["triangles"].clone()];
+    let plain = report(&folder, "");
+    let fitted = report(&folder, "--diagonals fitted");
+    assert_eq!(counts(&fitted), counts(&plain));
+    assert!(error(&fitted) < 1.1 * error(&plain), "{fitted} of {plain}");
+    let bytes = |options: &str| {
+        folder.done(&format!("extract ball.nii --iso 50 -o a.stl {options}"));
+        fs::read(folder.path("a.stl")).unwrap()[80..].to_vec()
+    };
+    let chosen = bytes("--diagonals fitted");
+    assert!(chosen != bytes(""));
+    for same in ["--threads 1", "--normals none", "--normals area", "--index"] {
+        assert!(chosen == bytes(&format!("--diagonals fitted {same}")), "{same}");
+    }
+    let balanced = report(&folder, "--diagonals fitted --balance");
+    assert_eq!(counts(&balanced), counts(&plain));
+}
+
+#[test]
 fn an_empty_surface_stays_empty() {
     let folder = Folder::with_ball();
     folder.done("extract ball.nii --iso 1000 --refine 2 --balance -o a.ply --report r.json");
@@ -126,6 +147,8 @@ fn what_does_not_fit_together_is_refused_before_anything_is_read() {
         ("--max-error=-1", "expected a distance above 0, found \"-1\""),
         ("--max-error nan", "expected a distance above 0, found \"nan\""),
         ("--max-error 1 --refine 1", "cannot be used with"),
+        ("--diagonals fitted --max-memory 1GiB", "--diagonals fitted needs the whole mesh"),
+        ("--diagonals straight", "invalid value 'straight'"),
         ("--balance --max-memory 1GiB", "need the whole mesh and the whole volume in memory"),
         ("--refine 1 --max-memory 1GiB", "leave out either them or --max-memory"),
         ("--max-error 1 --max-memory 1GiB", "leave out either them or --max-memory"),

@@ -11,29 +11,29 @@
 //! triangulations for piecewise linear interpolation". That marching cubes leaves the choice to itself in each cell is
 //! because no diagonal lies in a face: which cells are beside it does not matter, and the mesh is closed however all are cut.
 //!
-//! Normals of all corners are known once the next slice is filled, so it is a pass of its own over the whole surface. Meanwhile
-//! the cases of all cells are kept, a byte for each.
+//! Normals of all corners are known once the next slice is filled, so it is a pass of its own over the whole surface. Until
+//! then the cases of all cells are kept, a byte for each. Polygons of as many corners are weighed sixteen at a time
+//! ([`isokit_lanes::Polygons`]).
 //!
-//! Tried: the least error over the area of the triangles, from all their sides, comes nearer by a hundredth and takes several times
-//! as long; the shortest diagonals gain a third as much; diagonals in faces too, flipped wherever that
-//! gains, come nearer by a few hundredths with triangles so thin that they look less as the surface does.
+//! Tried: the least error over the area of the triangles, from all their sides, comes nearer by a hundredth; the shortest
+//! diagonals gain a third to two thirds as much, and nothing on a tube; diagonals in faces too, turned one by one wherever
+//! that gains, come nearer by a few hundredths with triangles so thin that they look less as the surface does.
 
 use crate::{
     Diagonals, ExtractError, ExtractOptions,
     case::{
         COUNTS,
-        polygons::{CORNERS, Filling, MOST, POLYGONS, Polygon, diagonals},
+        polygons::{POLYGONS as OF_CASES, Polygon},
     },
     fill::split_off,
     winding::Winding,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::exactly;
+use isokit_lanes::{CORNERS, POLYGONS, Polygons, WAYS, exactly};
 use isokit_mesh::{MeshSink, Piece, PositionsMut};
 use rayon::prelude::*;
 use std::{
     array, mem,
-    ops::{Add, Mul, Sub},
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
@@ -105,25 +105,31 @@ impl Cases {
     }
 }
 
+/// Triangles of which a thread takes so many at a time, at least.
+const TOGETHER: usize = 1 << 14;
+
 fn fit<C: Coordinate>(
     vertices: &Vertices<'_, C>,
     (mut triangles, winding): (&mut [[u32; 3]], Winding),
     runs: &[Run],
     job: &Job,
 ) -> Result<(), Cancelled> {
-    let (mut tasks, mut before) = (vec![], 0);
-    for run in runs {
-        split_off(&mut triangles, (run.first - before) as usize);
-        let count: usize =
-            run.cases.iter().map(|&case| usize::from(COUNTS[usize::from(case)])).sum();
-        tasks.push((&run.cases[..], split_off(&mut triangles, count)));
-        before = run.first + count as u64;
+    let (mut tasks, mut before, mut own) = (vec![], 0, 0..0);
+    for n in 0..runs.len() {
+        let end = runs.get(n + 1).map_or(before + triangles.len() as u64, |next| next.first);
+        own.end = n + 1;
+        let count = (end - before) as usize;
+        if count >= TOGETHER || own.end == runs.len() {
+            tasks.push((before, &runs[own.clone()], split_off(&mut triangles, count)));
+            (before, own.start) = (end, own.end);
+        }
     }
-    tasks.into_par_iter().try_for_each(|(cases, triangles)| {
+    let turned = winding == Winding::Turned;
+    tasks.into_par_iter().try_for_each_init(Sorted::default, |sorted, (first, runs, triangles)| {
         job.check()?;
-        exactly(|| match winding {
-            Winding::Kept => vertices.fit::<false>(cases, triangles),
-            Winding::Turned => vertices.fit::<true>(cases, triangles),
+        exactly(|| {
+            runs.iter().for_each(|run| sorted.add((run.first - first) as usize, &run.cases));
+            sorted.cut(triangles, (vertices, turned));
         });
         Ok(())
     })
@@ -135,130 +141,147 @@ struct Vertices<'a, C> {
     normals: &'a [[f32; 3]],
 }
 
-impl<C: Coordinate> Vertices<'_, C> {
-    /// Cuts the polygons of some cells, whose triangles are turned or not.
-    fn fit<const TURNED: bool>(&self, cases: &[u8], mut triangles: &mut [[u32; 3]]) {
-        let polygons = &*POLYGONS;
+/// The polygons of some cells, by the number of their corners: each with the number of its cell's first triangle.
+#[derive(Default)]
+struct Sorted {
+    of: [Vec<(&'static Polygon, usize)>; CORNERS + 1],
+}
+
+impl Sorted {
+    /// Adds those of cells whose triangles begin with number `at`.
+    fn add(&mut self, mut at: usize, cases: &[u8]) {
+        let polygons = &*OF_CASES;
         for &case in cases {
-            let own = split_off(&mut triangles, COUNTS[usize::from(case)].into());
             for polygon in polygons.of(case) {
-                let (own, fillings) = (&mut own[polygon.first..], polygons.fillings(polygon));
-                match polygon.corners {
-                    4 => self.cut::<4, TURNED>(polygon, fillings, own),
-                    5 => self.cut::<5, TURNED>(polygon, fillings, own),
-                    6 => self.cut::<6, TURNED>(polygon, fillings, own),
-                    _ => self.cut::<CORNERS, TURNED>(polygon, fillings, own),
-                }
+                self.of[polygon.corners].push((polygon, at));
             }
+            at += usize::from(COUNTS[usize::from(case)]);
         }
     }
 
-    /// Cuts one polygon of `N` corners, which the first of `triangles` cut as the table does.
-    #[inline(always)]
-    fn cut<const N: usize, const TURNED: bool>(
-        &self,
-        polygon: &Polygon,
-        fillings: &[Filling],
+    /// Cuts all, and forgets them.
+    fn cut<C: Coordinate>(
+        &mut self,
         triangles: &mut [[u32; 3]],
+        surface: (&Vertices<'_, C>, bool),
     ) {
-        let triangles = &mut triangles[..N - 2];
-        let named = &polygon.named[usize::from(TURNED)];
-        let corners: [u32; N] = array::from_fn(|n| triangles.as_flattened()[usize::from(named[n])]);
-        let places = corners.map(|v| wide(self.positions[v as usize]));
-        let normals = corners.map(|v| wide(self.normals[v as usize].map(C::from)));
-        let mut squares = [0.0; MOST];
-        for n in 0..const { N * (N - 3) / 2 } {
-            let [a, b] = const { diagonals::<N>() }[n];
-            let bend: f64 = dot(minus(places[b], places[a]), minus(normals[b], normals[a])).into();
-            squares[n] = bend * bend;
-        }
-        let sum = |filling: &Filling| {
-            let own = filling.diagonals[..N - 3].iter();
-            own.fold(0.0, |sum, &d| sum + squares[usize::from(d)])
-        };
-        // What is not a number is not less.
-        let (mut best, mut least) = (polygon.own, sum(&fillings[polygon.own]));
-        for (n, filling) in fillings.iter().enumerate() {
-            let sum = sum(filling);
-            (best, least) = if sum < least { (n, sum) } else { (best, least) };
-        }
-        let better = &fillings[best].triangles[..N - 2];
-        if best == polygon.own || !are_sound(&places, &normals, better, TURNED) {
+        self.cut_some::<4, C>(triangles, surface);
+        self.cut_some::<5, C>(triangles, surface);
+        self.cut_some::<6, C>(triangles, surface);
+        self.cut_some::<CORNERS, C>(triangles, surface);
+    }
+
+    fn cut_some<const N: usize, C: Coordinate>(
+        &mut self,
+        triangles: &mut [[u32; 3]],
+        (vertices, turned): (&Vertices<'_, C>, bool),
+    ) {
+        if self.of[N].is_empty() {
             return;
         }
-        for (triangle, &[a, b, c]) in triangles.iter_mut().zip(better) {
-            let own = if TURNED { [a, c, b] } else { [a, b, c] };
-            *triangle = own.map(|n| corners[usize::from(n)]);
+        let mut batch = Batch::<N>::default();
+        for some in self.of[N].chunks(POLYGONS) {
+            for (n, &(polygon, at)) in some.iter().enumerate() {
+                batch.put(n, (polygon, at), triangles, (vertices, turned));
+            }
+            batch.cut(some.len(), triangles, turned);
+        }
+        self.of[N].clear();
+    }
+}
+
+/// Polygons of `N` corners that are cut together.
+struct Batch<const N: usize> {
+    polygons: Polygons<N>,
+    /// The number of the first triangle of each.
+    first: [usize; POLYGONS],
+    /// Their vertices.
+    corners: [[u32; N]; POLYGONS],
+    /// The ways that the table has.
+    own: [u32; POLYGONS],
+    /// Of each way the bits of those that it is not for.
+    forbidden: [u16; WAYS],
+}
+
+impl<const N: usize> Default for Batch<N> {
+    fn default() -> Self {
+        Self {
+            polygons: Polygons::default(),
+            first: [0; POLYGONS],
+            corners: [[0; N]; POLYGONS],
+            own: [0; POLYGONS],
+            forbidden: [0; WAYS],
         }
     }
 }
 
-/// Whether all triangles between some corners look where the normals of all corners together do, by more than rounding.
-#[inline(always)]
-fn are_sound<const N: usize, C: Coordinate>(
-    places: &[[C; 4]; N],
-    normals: &[[C; 4]; N],
-    triangles: &[[u8; 3]],
-    turned: bool,
-) -> bool {
-    /// The share of the greatest area that is surely more.
-    const LEAST: f32 = 1.0 / 65536.0;
-    let mean = normals.iter().fold([C::from(0.0); 4], |sum, &normal| plus(sum, normal));
-    let ways = places.map(|place| minus(place, places[0]));
-    // The product of three vectors: a · (b × m).
-    let across = ways.map(|way| cross(way, mean));
-    let size = ways.iter().fold(C::from(0.0), |sum, &way| sum + dot(way, way));
-    let least = C::from(LEAST * N as f32) * size;
-    triangles.iter().all(|corners| {
-        let [a, b, c] = corners.map(usize::from);
-        let area = dot(minus(ways[b], ways[a]), minus(across[c], across[a]));
-        if turned { C::from(0.0) - area > least } else { area > least }
-    })
+impl<const N: usize> Batch<N> {
+    /// Takes a polygon of a cell whose triangles begin with number `at`.
+    #[inline(always)]
+    fn put<C: Coordinate>(
+        &mut self,
+        n: usize,
+        (polygon, at): (&Polygon, usize),
+        triangles: &[[u32; 3]],
+        (vertices, turned): (&Vertices<'_, C>, bool),
+    ) {
+        let first = at + polygon.first;
+        let own = triangles[first..][..N - 2].as_flattened();
+        let named = &polygon.named[usize::from(turned)];
+        let corners: [u32; N] = array::from_fn(|n| own[usize::from(named[n])]);
+        let origin = vertices.positions[corners[0] as usize];
+        let n = n % POLYGONS;
+        for (corner, &vertex) in corners.iter().enumerate() {
+            let place = vertices.positions[vertex as usize];
+            let normal = vertices.normals[vertex as usize];
+            for k in 0..3 {
+                self.polygons.places[corner][k][n] = place[k].from(origin[k]);
+                self.polygons.normals[corner][k][n] = normal[k];
+            }
+        }
+        (self.first[n], self.corners[n], self.own[n]) = (first, corners, polygon.own);
+        for &way in &polygon.unsafe_ways {
+            self.forbidden[usize::from(way)] |= 1 << n;
+        }
+    }
+
+    /// Cuts the first so many.
+    fn cut(&mut self, count: usize, triangles: &mut [[u32; 3]], turned: bool) {
+        let ways = OF_CASES.ways(N);
+        let forbidden = &mut self.forbidden[..ways.all.len()];
+        let best = self.polygons.best((&ways.all, forbidden), &self.own, turned);
+        for n in 0..count {
+            if best[n] == self.own[n] {
+                continue;
+            }
+            let own = &mut triangles[self.first[n]..][..N - 2];
+            for (triangle, &[a, b, c]) in own.iter_mut().zip(&ways.triangles[best[n] as usize]) {
+                let corners = if turned { [a, c, b] } else { [a, b, c] };
+                *triangle = corners.map(|corner| self.corners[n][usize::from(corner)]);
+            }
+        }
+        forbidden.fill(0);
+    }
 }
 
 /// A coordinate as a surface keeps it.
-trait Coordinate:
-    Copy
-    + Sync
-    + From<f32>
-    + Into<f64>
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-{
+trait Coordinate: Copy + Sync {
+    /// How far it is from another one, rounded to f32.
+    fn from(self, other: Self) -> f32;
 }
 
-impl Coordinate for f32 {}
-impl Coordinate for f64 {}
-
-/// A vector with a fourth part that is 0: as wide as registers are.
-#[inline(always)]
-fn wide<C: Coordinate>([x, y, z]: [C; 3]) -> [C; 4] {
-    [x, y, z, C::from(0.0)]
+impl Coordinate for f32 {
+    #[inline(always)]
+    fn from(self, other: Self) -> f32 {
+        self - other
+    }
 }
 
-#[inline(always)]
-fn plus<C: Coordinate>(a: [C; 4], b: [C; 4]) -> [C; 4] {
-    array::from_fn(|k| a[k] + b[k])
-}
-
-#[inline(always)]
-fn minus<C: Coordinate>(a: [C; 4], b: [C; 4]) -> [C; 4] {
-    array::from_fn(|k| a[k] - b[k])
-}
-
-#[inline(always)]
-fn dot<C: Coordinate>(a: [C; 4], b: [C; 4]) -> C {
-    let each: [C; 4] = array::from_fn(|k| a[k] * b[k]);
-    each[0] + each[1] + each[2]
-}
-
-#[inline(always)]
-fn cross<C: Coordinate>(a: [C; 4], b: [C; 4]) -> [C; 4] {
-    let turned = |v: [C; 4]| [v[1], v[2], v[0], v[3]];
-    let (next_a, next_b) = (turned(a), turned(b));
-    turned(array::from_fn(|k| a[k] * next_b[k] - next_a[k] * b[k]))
+impl Coordinate for f64 {
+    #[inline(always)]
+    fn from(self, other: Self) -> f32 {
+        (self - other) as f32
+    }
 }
 
 #[cfg(test)]

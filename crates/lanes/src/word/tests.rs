@@ -14,6 +14,12 @@ fn check(low: &[u64], high: Option<&[u64]>, points: usize) {
             check_cell(&words, [low, high.unwrap_or(low)], [y, rows], [i, points], high.is_some());
         }
         assert!(words.is_sorted_by_key(|word| (word.row, word.first)), "in order");
+        for word in &words {
+            let cells = (0..64).filter(|cell| word.active >> cell & 1 == 1);
+            let (cases, mut all) = (cells.map(|cell| word.case(cell)).collect::<Vec<_>>(), vec![7]);
+            word.add_cases(&mut all);
+            assert_eq!(all[1..], cases);
+        }
         let mut some = vec![];
         words_of_rows_at(*level, &bits, rows / 3..rows - rows / 3, &mut some);
         words.retain(|word| (rows / 3..rows - rows / 3).contains(&word.row));

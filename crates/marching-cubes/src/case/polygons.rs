@@ -5,37 +5,31 @@
 
 use super::TRIANGLES;
 use isokit_geom::cube::Edge;
+use isokit_lanes::{CORNERS, DIAGONALS, TRIPLES, Way, diagonals, triples};
 use std::{array, sync::LazyLock};
-
-/// The most corners that a polygon has.
-pub(crate) const CORNERS: usize = 7;
-
-/// The most diagonals that one has.
-pub(crate) const MOST: usize = CORNERS * (CORNERS - 3) / 2;
 
 /// A polygon that can be cut in more than one way.
 #[derive(Debug)]
 pub(crate) struct Polygon {
-    /// How many corners it has: 4 to 7.
+    /// How many corners it has: 4 to [`CORNERS`].
     pub(crate) corners: usize,
     /// Its first triangle among those of the case; the others follow.
     pub(crate) first: usize,
     /// Where its triangles, one after the other, name its corners, counter-clockwise seen from outside; and where they do if
     /// all are turned.
     pub(crate) named: [[u8; CORNERS]; 2],
-    /// Where its fillings begin among all, and how many it has.
-    pub(crate) fillings: [usize; 2],
-    /// Which of them the table has.
-    pub(crate) own: usize,
+    /// The way that the table has, by number.
+    pub(crate) own: u32,
+    /// The ways that draw a diagonal within a face, by number.
+    pub(crate) unsafe_ways: Vec<u8>,
 }
 
-/// A way to cut a polygon of `n` corners. The rest of both lists is 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Filling {
-    /// The `n - 3` [`diagonals`], by number.
-    pub(crate) diagonals: [u8; CORNERS - 3],
-    /// The corners of the `n - 2` triangles, the way round that the polygon has.
-    pub(crate) triangles: [[u8; 3]; CORNERS - 2],
+/// All ways to cut a polygon of so many corners.
+#[derive(Debug, Default)]
+pub(crate) struct Ways {
+    pub(crate) all: Vec<Way>,
+    /// The corners of the triangles of each, in the order of the polygon; after those, anything.
+    pub(crate) triangles: Vec<[[u8; 3]; CORNERS - 2]>,
 }
 
 /// Those of all cases.
@@ -44,34 +38,18 @@ pub(crate) struct Polygons {
     /// Where those of each case begin in `all`, and last how many there are.
     first: [u16; 257],
     all: Vec<Polygon>,
-    /// Those of polygons of as many corners that may be joined alike are the same.
-    fillings: Vec<Filling>,
+    /// By the number of corners.
+    ways: [Ways; CORNERS + 1],
 }
 
 pub(crate) static POLYGONS: LazyLock<Polygons> = LazyLock::new(|| {
-    let mut polygons = Polygons { first: [0; 257], all: vec![], fillings: vec![] };
-    let fillings = array::from_fn(fillings);
+    let mut polygons = Polygons { first: [0; 257], all: vec![], ways: array::from_fn(Ways::new) };
     for (case, triangles) in TRIANGLES.iter().enumerate() {
-        polygons.add(triangles, &fillings);
+        polygons.add(triangles);
         polygons.first[case + 1] = polygons.all.len() as u16;
     }
     polygons
 });
-
-/// The diagonals of a polygon of `N` corners, as pairs of these, in order; the rest is 0.
-pub(crate) const fn diagonals<const N: usize>() -> [[usize; 2]; MOST] {
-    let (mut all, mut count, mut a) = ([[0; 2]; MOST], 0, 0);
-    while a < N {
-        let mut b = a + 2;
-        while b < N && b - a < N - 1 {
-            all[count] = [a, b];
-            count += 1;
-            b += 1;
-        }
-        a += 1;
-    }
-    all
-}
 
 impl Polygons {
     /// Those of a case that can be cut in more than one way.
@@ -81,63 +59,94 @@ impl Polygons {
         &self.all[self.first[case].into()..self.first[case + 1].into()]
     }
 
-    /// The ways to cut a polygon.
+    /// The ways to cut those of so many corners.
     #[inline(always)]
-    pub(crate) fn fillings(&self, polygon: &Polygon) -> &[Filling] {
-        let [first, count] = polygon.fillings;
-        &self.fillings[first..first + count]
+    pub(crate) fn ways(&self, corners: usize) -> &Ways {
+        &self.ways[corners]
     }
 
-    /// Adds those of a case. `fillings` has all ways to cut a polygon of so many corners.
-    fn add(&mut self, triangles: &[[u8; 3]], fillings: &[Vec<Filling>; CORNERS + 1]) {
+    /// Adds those of a case.
+    fn add(&mut self, triangles: &[[u8; 3]]) {
         let mut first = 0;
         while first < triangles.len() {
             let ring = ring(&triangles[first..]);
             let own = &triangles[first..][..ring.len() - 2];
             if own.len() > 1 {
-                let polygon = self.polygon((own, &ring), first, &fillings[ring.len()]);
-                self.all.push(polygon);
+                self.all.push(Polygon::new(own, &ring, first, &self.ways[ring.len()]));
             }
             first += own.len();
         }
     }
+}
 
-    fn polygon(
-        &mut self,
-        (own, ring): (&[[u8; 3]], &[u8]),
-        first: usize,
-        fillings: &[Filling],
-    ) -> Polygon {
+impl Polygon {
+    fn new(own: &[[u8; 3]], ring: &[u8], first: usize, ways: &Ways) -> Self {
         let corner = |edge: u8| ring.iter().position(|&e| e == edge).expect("a corner") as u8;
-        let own_filling = sorted(own.iter().map(|triangle| triangle.map(corner)));
-        let cut = |filling: &Filling| filling.triangles[..own.len()] == own_filling;
-        let diagonals = diagonals_of(ring.len());
-        let is_clear = diagonals.map(|corners| {
+        let cut = sorted(own.iter().map(|triangle| triangle.map(corner)));
+        let own_way = ways.triangles.iter().position(|way| way[..own.len()] == cut);
+        let (diagonals, _) = numbered(ring.len());
+        let is_in_face = diagonals.map(|corners| {
             let [a, b] = corners.map(|corner| Edge::new(ring[corner]));
-            a.common_face(b).is_none()
+            a.common_face(b).is_some()
         });
-        let is_safe = |filling: &&Filling| {
-            filling.diagonals[..own.len() - 1].iter().all(|&d| is_clear[usize::from(d)])
+        let is_unsafe = |&number: &u8| {
+            let way = ways.all[usize::from(number)];
+            way.diagonals[..own.len() - 1].iter().any(|&d| is_in_face[usize::from(d)])
         };
-        let fillings: Vec<Filling> = fillings.iter().filter(is_safe).copied().collect();
-        let known = self.fillings.windows(fillings.len()).position(|some| some == fillings);
-        let begin = known.unwrap_or(self.fillings.len());
-        if known.is_none() {
-            self.fillings.extend(&fillings);
-        }
-        let named = |n: usize| {
+        let named = array::from_fn(|n: usize| {
             let is_it = |edge: &u8| ring.get(n) == Some(edge);
             own.as_flattened().iter().position(is_it).map_or(0, |at| at as u8)
-        };
-        let named = array::from_fn(named);
+        });
         let turned = named.map(|at| [at, at + 1, at - u8::from(at > 0)][usize::from(at % 3)]);
-        Polygon {
+        Self {
             corners: ring.len(),
             first,
             named: [named, turned],
-            fillings: [begin, fillings.len()],
-            own: fillings.iter().position(cut).expect("the table keeps out of faces"),
+            own: own_way.expect("it is one of all") as u32,
+            unsafe_ways: (0..ways.all.len() as u8).filter(is_unsafe).collect(),
         }
+    }
+}
+
+impl Ways {
+    /// Those of polygons of so many corners; none of less than four.
+    fn new(corners: usize) -> Self {
+        let mut ways = Self::default();
+        if corners < 4 {
+            return ways;
+        }
+        let (diagonals, triples) = numbered(corners);
+        let ring: Vec<u8> = (0..corners as u8).collect();
+        for triangles in triangulations(&ring) {
+            let triangles = sorted(triangles);
+            let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [a, c]]);
+            let number = |side: [u8; 2]| diagonals.iter().position(|d| *d == side.map(usize::from));
+            let mut joined: Vec<_> = sides.filter_map(number).collect();
+            joined.sort_unstable();
+            joined.dedup(); // each is a side of two triangles
+            let (mut way, mut kept) = (Way::default(), <[[u8; 3]; CORNERS - 2]>::default());
+            for (slot, number) in way.diagonals.iter_mut().zip(joined) {
+                *slot = number as u8;
+            }
+            for (n, triangle) in triangles.into_iter().enumerate() {
+                let is_it = |triple: &[usize; 3]| *triple == triangle.map(usize::from);
+                way.triangles[n] = triples.iter().position(is_it).expect("in order") as u8;
+                kept[n] = triangle;
+            }
+            ways.all.push(way);
+            ways.triangles.push(kept);
+        }
+        ways
+    }
+}
+
+/// The diagonals and triples of a polygon of so many corners, four or more.
+fn numbered(corners: usize) -> ([[usize; 2]; DIAGONALS], [[usize; 3]; TRIPLES]) {
+    match corners {
+        4 => (diagonals::<4>(), triples::<4>()),
+        5 => (diagonals::<5>(), triples::<5>()),
+        6 => (diagonals::<6>(), triples::<6>()),
+        _ => (diagonals::<CORNERS>(), triples::<CORNERS>()),
     }
 }
 
@@ -151,39 +160,6 @@ fn ring(triangles: &[[u8; 3]]) -> Vec<u8> {
     let begin = triangles[0][0];
     let follows = |&edge: &u8| next[usize::from(edge)].filter(|&edge| edge != begin);
     std::iter::successors(Some(begin), follows).collect()
-}
-
-/// All ways to cut a polygon of so many corners; none if it has less than four.
-fn fillings(corners: usize) -> Vec<Filling> {
-    if corners < 4 {
-        return vec![];
-    }
-    let numbered = diagonals_of(corners);
-    let filling = |triangles: Vec<[u8; 3]>| {
-        let mut filling = Filling::default();
-        let triangles = sorted(triangles);
-        filling.triangles[..triangles.len()].copy_from_slice(&triangles);
-        let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [a, c]]);
-        let number = |[a, b]: [u8; 2]| numbered.iter().position(|d| *d == [a.into(), b.into()]);
-        let mut joined: Vec<_> = sides.filter_map(number).collect();
-        joined.sort_unstable();
-        joined.dedup(); // each is a side of two triangles
-        for (diagonal, number) in filling.diagonals.iter_mut().zip(joined) {
-            *diagonal = number as u8;
-        }
-        filling
-    };
-    let ring: Vec<u8> = (0..corners as u8).collect();
-    triangulations(&ring).into_iter().map(filling).collect()
-}
-
-fn diagonals_of(corners: usize) -> [[usize; 2]; MOST] {
-    match corners {
-        4 => diagonals::<4>(),
-        5 => diagonals::<5>(),
-        6 => diagonals::<6>(),
-        _ => diagonals::<CORNERS>(),
-    }
 }
 
 /// Each from its least corner, in ascending order.

@@ -146,21 +146,21 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> [
             let ways =
                 ways.map(|way| way.iter().map(|t| t.map(|e| vertex(&e))).collect::<Vec<_>>());
             let ways: Vec<_> = ways.map(|way| (definition.cost(&corners, &way), way)).collect();
-            let costs = ways.iter().map(|(cost, _)| *cost);
-            let least = costs.fold(definition.cost(&corners, plain), f64::min);
-            let nearly: Vec<_> = ways.iter().filter(|(cost, _)| *cost <= 1.001 * least).collect();
             found[0] += usize::from(ring.len() > 3);
             found[1] += usize::from(way(plain) != way(fitted));
-            let is_sound = |triangles: &[[u32; 3]]| {
-                definition.least_area(&corners, triangles) > 0.999 / 65536.0
-            };
-            // What has the least, or hardly more, if no triangle is too thin; else as the table.
-            let is_chosen = nearly.iter().any(|(_, own)| way(own) == way(fitted));
-            let is_best = is_chosen && (is_sound(fitted) || way(plain) == way(fitted));
-            let cannot =
-                |(_, own): &&(f64, Vec<_>)| definition.least_area(&corners, own) < 1.001 / 65536.0;
-            let is_left = way(plain) == way(fitted) && nearly.iter().any(|way| cannot(&way));
-            assert!(is_best || is_left, "{case:#010b}: {fitted:?} of {ways:?}, {options:?}");
+            let area =
+                |triangles: &[[u32; 3]]| 65536.0 * definition.least_area(&corners, triangles);
+            let chosen = definition.cost(&corners, fitted);
+            let is_own = way(plain) == way(fitted);
+            let is_one = ways.iter().any(|(_, own)| way(own) == way(fitted));
+            let is_less = area(fitted) > 0.999 && chosen < 1.001 * definition.cost(&corners, plain);
+            // None that is sound for certain has less.
+            let is_least =
+                ways.iter().all(|(cost, own)| *cost >= 0.999 * chosen || area(own) < 1.001);
+            assert!(
+                is_one && (is_own || is_less) && (is_least || chosen.is_nan()),
+                "{case:#010b}: {fitted:?} of {ways:?}, {options:?}"
+            );
             first += ring.len() - 2;
         }
         at += own.len();

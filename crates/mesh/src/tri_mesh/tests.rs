@@ -61,6 +61,23 @@ fn what_is_written_to_spare_memory_begins_the_next_piece_whatever_its_size() {
 }
 
 #[test]
+fn all_pieces_of_a_surface_can_be_gone_over_once_more() {
+    let mut mesh = TriMesh::with_normals();
+    fill(&mut mesh.refill(), 9, 1.0);
+    let mut refill = mesh.refill();
+    assert!(refill.held().is_some_and(|held| held.triangles.is_empty()), "nothing yet");
+    fill(&mut refill, 2, 3.0);
+    fill(&mut refill, 4, 5.0);
+    let Piece { positions, normals, triangles } = refill.held().unwrap();
+    let PositionsMut::F32(positions) = positions else { panic!("asked for f32") };
+    assert_eq!((positions.len(), normals.map(|normals| normals.len())), (6, Some(6)));
+    assert_eq!((triangles[3], triangles[4], triangles.len()), ([3; 3], [5; 3], 12));
+    triangles[0] = [1; 3];
+    drop(refill);
+    assert_eq!((mesh.triangles[0], mesh.triangles.len()), ([1; 3], 12));
+}
+
+#[test]
 fn a_mesh_that_was_emptied_keeps_its_memory() {
     let mut mesh = TriMesh::with_normals();
     fill(&mut mesh.refill(), 9, 1.0);

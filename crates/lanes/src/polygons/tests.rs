@@ -1,0 +1,153 @@
+//! The choice against its definition, and every level against the portable one.
+
+use super::{
+    CORNERS, DIAGONALS, LEAST, POLYGONS, Polygons, TRIPLES, WAYS, Way, diagonals, triples,
+};
+use crate::Level;
+
+fn chance(state: &mut u64) -> f32 {
+    *state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
+    (*state >> 40) as f32 / (1 << 23) as f32 - 1.0
+}
+
+/// All ways to cut what lies between two corners, as triples.
+fn cuts(first: usize, last: usize) -> Vec<Vec<[usize; 3]>> {
+    if last - first < 2 {
+        return vec![vec![]];
+    }
+    let tips = first + 1..last;
+    tips.flat_map(|tip| {
+        let after = cuts(tip, last);
+        cuts(first, tip).into_iter().flat_map(move |before| {
+            after.clone().into_iter().map({
+                let before = before.clone();
+                move |after| [&[[first, tip, last]], &before[..], &after[..]].concat()
+            })
+        })
+    })
+    .collect()
+}
+
+fn ways<const N: usize>() -> Vec<Way> {
+    let way = |cut: Vec<[usize; 3]>| {
+        let mut way = Way::default();
+        for (number, triple) in way.triangles.iter_mut().zip(&cut) {
+            *number = triples::<N>().iter().position(|t| t == triple).unwrap() as u8;
+        }
+        let sides = cut.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [a, c]]);
+        let number = |side: [usize; 2]| diagonals::<N>().iter().position(|d| *d == side);
+        let mut numbers: Vec<_> = sides.filter_map(number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        assert_eq!(numbers.len(), N - 3);
+        way.diagonals.iter_mut().zip(numbers).for_each(|(slot, number)| *slot = number as u8);
+        way
+    };
+    cuts(0, N - 1).into_iter().map(way).collect()
+}
+
+/// Rings that are bent, some of them badly, with a number that is none here and there.
+fn rings<const N: usize>(state: &mut u64, rough: f32) -> Polygons<N> {
+    let mut polygons = Polygons::<N>::default();
+    for n in 0..POLYGONS {
+        for corner in 0..N {
+            let angle = std::f32::consts::TAU * corner as f32 / N as f32;
+            let place = [angle.cos(), angle.sin(), 0.3 * (2.0 * angle).cos()];
+            for k in 0..3 {
+                let first = [1.0, 0.0, 0.3][k];
+                let away = if corner == 0 { 0.0 } else { rough * chance(state) };
+                polygons.places[corner][k][n] = place[k] - first + away;
+                let up = if k == 2 { 1.0 } else { 0.0 };
+                polygons.normals[corner][k][n] = up + 0.4 * chance(state);
+            }
+        }
+    }
+    polygons.normals[1][0][3] = f32::NAN;
+    polygons.places[2][1][5] = f32::INFINITY;
+    polygons
+}
+
+/// By how much a way bends, and whether its triangles are sound: yes, no, or nobody knows.
+fn judged<const N: usize>(polygons: &Polygons<N>, n: usize, way: &Way) -> (f64, Option<bool>) {
+    let of = |list: &[[[f32; POLYGONS]; 3]; N], corner: usize| {
+        [0, 1, 2].map(|k| f64::from(list[corner][k][n]))
+    };
+    let minus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let bend = |&d: &u8| {
+        let [a, b] = diagonals::<N>()[usize::from(d)];
+        let turn = minus(of(&polygons.normals, b), of(&polygons.normals, a));
+        dot(minus(of(&polygons.places, b), of(&polygons.places, a)), turn).powi(2)
+    };
+    let mean = (0..N).fold([0.0; 3], |sum, c| minus(sum, of(&polygons.normals, c)));
+    let size = (0..N).map(|c| dot(of(&polygons.places, c), of(&polygons.places, c))).sum::<f64>();
+    let least = f64::from(LEAST) * N as f64 * size;
+    let area = |&t: &u8| {
+        let [a, b, c] = triples::<N>()[usize::from(t)].map(|corner| of(&polygons.places, corner));
+        let ([x, y, z], [u, v, w]) = (minus(b, a), minus(c, a));
+        -dot([y * w - z * v, z * u - x * w, x * v - y * u], mean)
+    };
+    let area = way.triangles[..N - 2].iter().map(area).fold(f64::INFINITY, f64::min);
+    let is_near = (area - least).abs() < 1e-5 * size;
+    (way.diagonals[..N - 3].iter().map(bend).sum(), (!is_near).then_some(area > least))
+}
+
+fn check<const N: usize>() {
+    let (ways, mut state, mut moved) = (ways::<N>(), N as u64, 0);
+    for round in 0..60 {
+        let rough = [0.0, 0.2, 0.9][round % 3];
+        let mut polygons = rings::<N>(&mut state, rough);
+        let own = [(); POLYGONS].map(|()| (chance(&mut state).abs() * ways.len() as f32) as u32);
+        let forbidden: Vec<u16> = ways.iter().map(|_| (chance(&mut state) * 3e4) as u16).collect();
+        let of = |polygons: &Polygons<N>, level, mirrors| {
+            polygons.best_at(level, (&ways, &forbidden), &own, mirrors)
+        };
+        let best = of(&polygons, Level::Portable, false);
+        for &level in Level::available() {
+            assert_eq!(of(&polygons, level, false), best, "{level:?}");
+            assert_eq!(of(&polygons, level, true), of(&polygons, Level::Portable, true));
+        }
+        for n in 0..POLYGONS {
+            let (found, own) = (best[n] as usize, own[n] as usize);
+            moved += usize::from(found != own);
+            if n == 3 || n == 5 {
+                assert_eq!(found, own, "what is no number chooses nothing");
+                continue;
+            }
+            let [sum, before] = [found, own].map(|way| judged(&polygons, n, &ways[way]).0);
+            assert!(found == own || (sum < before * 1.0001 && forbidden[found] >> n & 1 == 0));
+            assert!(found == own || judged(&polygons, n, &ways[found]).1 != Some(false));
+            for (other, way) in ways.iter().enumerate() {
+                let (less, is_sound) = judged(&polygons, n, way);
+                let is_allowed = forbidden[other] >> n & 1 == 0 && is_sound == Some(true);
+                assert!(!(is_allowed && less < sum * 0.9999), "{other} rather than {found}");
+            }
+        }
+        // The other way round they are as good.
+        for list in [&mut polygons.places, &mut polygons.normals] {
+            list.iter_mut().for_each(|axes| axes[0].iter_mut().for_each(|x| *x = -*x));
+        }
+        assert_eq!(of(&polygons, Level::current(), true), best);
+    }
+    assert!(moved > 200, "{moved}");
+}
+
+#[test]
+fn polygons_get_the_best_way_that_is_allowed_and_sound() {
+    check::<4>();
+    check::<5>();
+    check::<6>();
+    check::<CORNERS>();
+}
+
+#[test]
+fn diagonals_triples_and_ways_are_as_many_as_there_are() {
+    assert_eq!(ways::<CORNERS>().len(), WAYS);
+    let last = |[a, b]: [usize; 2]| b > a + 1;
+    assert!(diagonals::<CORNERS>().into_iter().all(last) && DIAGONALS == 14);
+    assert_eq!(triples::<CORNERS>()[TRIPLES - 1], [4, 5, 6]);
+    assert_eq!(
+        (diagonals::<4>()[..2].to_vec(), triples::<4>()[3]),
+        (vec![[0, 2], [1, 3]], [1, 2, 3])
+    );
+}
