@@ -134,7 +134,7 @@ fn in_a_frame_that_mirrors_the_same_diagonals_are_chosen() {
 }
 
 #[test]
-fn matching_normals_choose_a_little_better() {
+fn matching_normals_choose_no_worse() {
     let field = depth(fields::gyroid(1.0));
     let scan = Scan::new(volumes::cube(&field, 33));
     let [central, matching] = [Gradient::Central, Gradient::Matching].map(|gradient| {

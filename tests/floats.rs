@@ -12,8 +12,8 @@ use isokit::{
     job::{Job, Threads},
     lanes::Level,
     marching_cubes::{
-        Boundary, Budget, ExtractOptions, Gradient, Placement, Slabs, Source, Topology, count,
-        extract, extract_many, extract_slabs,
+        Boundary, Budget, Diagonals, ExtractOptions, Gradient, Placement, Slabs, Source, Topology,
+        count, extract, extract_many, extract_slabs,
     },
     mesh::{TriMesh, topology},
     refine::{Isosurface, RefineOptions, Subdivision, refine},
@@ -77,6 +77,7 @@ fn modes() -> Vec<ExtractOptions> {
             }
         }
     }
+    all.push(ExtractOptions::DEFAULT.with_diagonals(Diagonals::Fitted));
     all
 }
 

@@ -198,6 +198,7 @@ fn of_extract(error: &ExtractError) -> Fault {
             Fault::Caller("give an --origin nearer to 0, or use --space index for sample numbers")
         }
         ExtractError::TooLong { .. } => Fault::Ours("take a part with --roi"),
+        ExtractError::Unfitted { .. } => Fault::Caller("leave out --diagonals fitted"),
         ExtractError::Iso(_) => {
             Fault::Caller("choose another isovalue; `isokit info` shows the range")
         }

@@ -50,7 +50,7 @@ pub(crate) enum DiagonalsArg {
     /// The same way in all cells of a case
     #[default]
     Table,
-    /// Along the surface, by the normals of their vertices: as many triangles, which lie nearer to it where it is bent
+    /// Along the surface, by the normals of their vertices: as many triangles, nearer to that of a smooth field
     Fitted,
 }
 

@@ -42,13 +42,10 @@ pub(crate) struct ExtractArgs {
     /// What is connected in a cell whose corners leave it open
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) topology: TopologyArg,
-    /// Where between two samples a vertex lies, for samples h apart of a smooth field; the triangles are the
-    /// same [default: quintic; cubic with --refine, --max-error or --balance]
+    /// Where between two samples a vertex lies, for samples h apart of a smooth field; the table's triangles are
+    /// the same [default: quintic; cubic with --refine, --max-error or --balance]
     #[arg(long, value_enum, help_heading = "Surface")]
     pub(crate) placement: Option<PlacementArg>,
-    /// How the polygons in which the surface goes through cells are cut into triangles
-    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
-    pub(crate) diagonals: DiagonalsArg,
     /// Which normals the vertices get
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) normals: NormalsArg,
@@ -58,6 +55,9 @@ pub(crate) struct ExtractArgs {
     /// What to do about samples that are NaN
     #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
     pub(crate) nan: NanArg,
+    /// How the polygons in which the surface goes through cells are cut into triangles
+    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
+    pub(crate) diagonals: DiagonalsArg,
     /// Divide each triangle into four, N times, with new vertices on the cubic field through the samples:
     /// between vertices the error falls to a quarter each time
     #[arg(long, value_name = "N", value_parser = values::levels, help_heading = "Accuracy")]
@@ -89,8 +89,8 @@ pub(crate) struct ExtractArgs {
     #[arg(allow_hyphen_values = true, help_heading = "Part and place")]
     pub(crate) roi_mm: Option<Region>,
     /// Cut away what is beyond a plane, NX*x + NY*y + NZ*z > D in coordinates of the output's world, and close the
-    /// hole; of the surfaces that are named, or else of all. Vertices of what is cut are placed linearly. Repeat it for
-    /// several planes. With --attribute of the volume itself the cut shows its values
+    /// hole; of the surfaces that are named, or else of all. Vertices of what is cut are placed linearly, and diagonals are
+    /// the table's. Repeat it for several planes. With --attribute of the volume itself the cut shows its values
     #[arg(long, value_name = "NX,NY,NZ,D[:NAME...]", allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
     #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
@@ -106,7 +106,8 @@ pub(crate) struct ExtractArgs {
     #[arg(long, conflicts_with = "quantity", help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
-    /// the same. Not with --diagonals fitted, --normals area, --refine, --max-error, --balance, --attribute or --texture, nor for -o - or NPY in Fortran order
+    /// the same. Not with --diagonals fitted, --normals area, --refine, --max-error, --balance, --attribute or --texture,
+    /// nor for -o - or NPY in Fortran order
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Write a report as JSON, to a file or to - for stdout

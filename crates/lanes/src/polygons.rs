@@ -95,7 +95,8 @@ impl<const N: usize> Polygons<N> {
     ///
     /// # Panics
     ///
-    /// If there are more than [`WAYS`], or not as many bits as ways, or a way names what is not there.
+    /// If there are more than [`WAYS`], or not as many bits as ways, or a way names more than there is of anything.
+    /// With other than four to seven corners it does not compile.
     pub fn best(
         &self,
         (ways, forbidden): (&[Way], &[u16]),
@@ -112,6 +113,7 @@ impl<const N: usize> Polygons<N> {
         own: &[u32; POLYGONS],
         mirrors: bool,
     ) -> [u32; POLYGONS] {
+        const { assert!(4 <= N && N <= CORNERS, "four to seven corners") };
         assert_eq!(ways.len(), forbidden.len(), "bits for each way");
         assert!(ways.len() <= WAYS, "{} ways", ways.len());
         let mut best = *own;
@@ -137,7 +139,7 @@ impl<const N: usize> Polygons<N> {
     }
 }
 
-/// The share of the greatest area that is surely more than rounding.
+/// The share of N times the squares of all distances from the first corner that is surely more than rounding.
 const LEAST: f32 = 1.0 / 65536.0;
 
 /// The choice, for polygons of `N` corners with `T` triples of these.

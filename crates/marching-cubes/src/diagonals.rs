@@ -11,13 +11,14 @@
 //! triangulations for piecewise linear interpolation". That marching cubes leaves the choice to itself in each cell is
 //! because no diagonal lies in a face: which cells are beside it does not matter, and the mesh is closed however all are cut.
 //!
-//! Normals of all corners are known once the next slice is filled, so it is a pass of its own over the whole surface. Until
-//! then the cases of all cells are kept, a byte for each. Polygons of as many corners are weighed sixteen at a time
-//! ([`isokit_lanes::Polygons`]).
+//! It is a pass of its own over the whole surface: the normals of a cell's upper corners are made with the next slice, which may
+//! be another thread's, or another piece. Until then the cases of the cells are kept, a byte for each, but for special
+//! ones, which are not cut anew. Polygons of as many corners are weighed sixteen at a time ([`isokit_lanes::Polygons`]).
 //!
-//! Tried: the least error over the area of the triangles, from all their sides, comes nearer by a hundredth; the shortest
-//! diagonals gain a third to two thirds as much, and nothing on a tube; diagonals in faces too, turned one by one wherever
-//! that gains, come nearer by a few hundredths with triangles so thin that they look less as the surface does.
+//! Tried, on a ball, a ring, a tube, a saddle, waves and a gyroid of 40³ and 48³ samples, November 2026: the least error over the
+//! area of the triangles, from all their sides, comes nearer by a hundredth; the shortest diagonals gain a third to two thirds
+//! as much, and nothing on a tube; diagonals in faces too, turned one by one wherever that gains, come nearer by a few
+//! hundredths with triangles so thin that they look less as the surface does.
 
 use crate::{
     Diagonals, ExtractError, ExtractOptions,
@@ -46,7 +47,7 @@ pub(crate) struct Cases(Mutex<Vec<Run>>);
 struct Run {
     /// The number of the first triangle.
     first: u64,
-    cases: Vec<u8>,
+    cases: Box<[u8]>,
 }
 
 impl Cases {
@@ -55,17 +56,19 @@ impl Cases {
         options: &ExtractOptions,
         sink: &mut S,
     ) -> Result<Option<Self>, ExtractError<S::Error>> {
-        match (options.diagonals, sink.held().is_some(), sink.wants_normals()) {
-            (Diagonals::Table, ..) => Ok(None),
-            (Diagonals::Fitted, true, true) => Ok(Some(Self::default())),
-            (Diagonals::Fitted, is_kept, _) => Err(ExtractError::Unfitted { is_kept }),
+        if options.diagonals == Diagonals::Table {
+            return Ok(None);
+        }
+        match (sink.held().is_some(), sink.wants_normals()) {
+            (true, true) => Ok(Some(Self::default())),
+            (is_kept, _) => Err(ExtractError::Unfitted { is_kept }),
         }
     }
 
     /// Those of a slice, whose triangles begin with number `first`.
     pub(crate) fn add(&self, first: u64, cases: Vec<u8>) {
         if !cases.is_empty() {
-            self.lock().push(Run { first, cases });
+            self.lock().push(Run { first, cases: cases.into() });
         }
     }
 
@@ -84,7 +87,7 @@ impl Cases {
         let mut runs = mem::take(&mut *self.lock());
         runs.sort_unstable_by_key(|run| run.first);
         let Some(Piece { positions, normals: Some(normals), triangles }) = sink.held() else {
-            return Ok(());
+            return Err(ExtractError::Unfitted { is_kept: false });
         };
         let normals = &*normals;
         let triangles = (triangles, winding);
@@ -106,7 +109,10 @@ impl Cases {
 }
 
 /// Triangles of which a thread takes so many at a time, at least.
-const TOGETHER: usize = 1 << 14;
+const SHARE: usize = 1 << 14;
+
+/// Cells whose polygons are sorted at a time.
+const CELLS: usize = 1 << 12;
 
 fn fit<C: Coordinate>(
     vertices: &Vertices<'_, C>,
@@ -119,7 +125,7 @@ fn fit<C: Coordinate>(
         let end = runs.get(n + 1).map_or(before + triangles.len() as u64, |next| next.first);
         own.end = n + 1;
         let count = (end - before) as usize;
-        if count >= TOGETHER || own.end == runs.len() {
+        if count >= SHARE || own.end == runs.len() {
             tasks.push((before, &runs[own.clone()], split_off(&mut triangles, count)));
             (before, own.start) = (end, own.end);
         }
@@ -128,8 +134,13 @@ fn fit<C: Coordinate>(
     tasks.into_par_iter().try_for_each_init(Sorted::default, |sorted, (first, runs, triangles)| {
         job.check()?;
         exactly(|| {
-            runs.iter().for_each(|run| sorted.add((run.first - first) as usize, &run.cases));
-            sorted.cut(triangles, (vertices, turned));
+            for run in runs {
+                let mut at = (run.first - first) as usize;
+                for cases in run.cases.chunks(CELLS) {
+                    at = sorted.add(at, cases);
+                    sorted.cut(triangles, (vertices, turned));
+                }
+            }
         });
         Ok(())
     })
@@ -148,8 +159,8 @@ struct Sorted {
 }
 
 impl Sorted {
-    /// Adds those of cells whose triangles begin with number `at`.
-    fn add(&mut self, mut at: usize, cases: &[u8]) {
+    /// Adds those of cells whose triangles begin with number `at`. The number of the first triangle after these.
+    fn add(&mut self, mut at: usize, cases: &[u8]) -> usize {
         let polygons = &*OF_CASES;
         for &case in cases {
             for polygon in polygons.of(case) {
@@ -157,6 +168,7 @@ impl Sorted {
             }
             at += usize::from(COUNTS[usize::from(case)]);
         }
+        at
     }
 
     /// Cuts all, and forgets them.
@@ -240,7 +252,7 @@ impl<const N: usize> Batch<N> {
             }
         }
         (self.first[n], self.corners[n], self.own[n]) = (first, corners, polygon.own);
-        for &way in &polygon.unsafe_ways {
+        for &way in &polygon.ways_in_faces {
             self.forbidden[usize::from(way)] |= 1 << n;
         }
     }

@@ -61,7 +61,8 @@ pub fn extract<T: Sample>(
 ///
 /// # Errors
 ///
-/// As [`extract`], and if the sink has no room.
+/// As [`extract`], and if the sink has no room, or diagonals are to be fitted and it does not keep the surface, or takes
+/// no normals.
 pub fn extract_into<T: Sample, S: MeshSink<Error: Send> + Send>(
     view: &View<'_, T>,
     iso: f64,
@@ -90,7 +91,8 @@ pub fn count<T: Sample>(
 /// byte, as [`extract_into`] makes one by one. Each value has its sink.
 ///
 /// Beside the output, memory for one bit per sample and value is in use; of one value, no more than a few slices
-/// where the sink has memory or gets it ([`MeshSink::spare`]).
+/// where the sink has memory or gets it ([`MeshSink::spare`]). With [`Diagonals::Fitted`](crate::Diagonals::Fitted) it is one byte
+/// more for each cell that the surface crosses.
 ///
 /// # Errors
 ///
@@ -131,10 +133,10 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
             let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
             let bytes = counts.bytes(precision, sink.wants_normals());
+            // A cell whose case is kept has a triangle.
+            let of_cases = if cases.is_some() { counts.triangles } else { 0 };
+            let bytes = bytes.and_then(|bytes| bytes.checked_add(of_cases));
             job.limits.probe("surface", bytes, 1)?;
-            if cases.is_some() {
-                job.limits.probe("the cases of its cells", Some(counts.triangles), 1)?;
-            }
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
                 let placer = Placer::new(*view, iso, margin, 0.0).with_options(options);

@@ -54,7 +54,7 @@ pub struct Slabs<'a> {
 ///
 /// # Errors
 ///
-/// As [`extract_into`](crate::extract_into), and if the source fails or the surface of one slice takes
+/// As [`extract_into`](crate::extract_into), of every sink, and if the source fails or the surface of one slice takes
 /// more than the bytes of a piece.
 pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Send>(
     source: &mut R,
@@ -217,10 +217,6 @@ impl Making<'_> {
             slices.start = next.end;
             if counts != Counts::default() {
                 surface.is_begun = true;
-                if cases.is_some() {
-                    let cells = Some(counts.triangles);
-                    self.job.limits.probe("the cases of its cells", cells, 1)?;
-                }
                 let piece = sink.piece(counts, self.precision.0).map_err(ExtractError::Sink)?;
                 let layers = self.layers_per_task(&next);
                 fill.piece(next, piece, layers, job)?;

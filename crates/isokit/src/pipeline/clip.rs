@@ -14,7 +14,7 @@ use isokit_geom::{
 };
 use isokit_job::Job;
 use isokit_lanes::Extent;
-use isokit_marching_cubes::{Extracted, Placement};
+use isokit_marching_cubes::{Diagonals, Extracted, Placement};
 use isokit_mesh::{Positions, TriMesh, area_normals};
 use isokit_volume::{Bricks, Grid, Points, Sample, SampleSource, View, Volume, for_any};
 use std::{borrow::Cow, ops::Range};
@@ -34,7 +34,7 @@ const NEAR: f64 = 1e-3;
 impl Scan {
     /// The surface where the value is `iso`, of what all planes keep, closed where they cut.
     ///
-    /// Where there are planes vertices are placed linearly, whatever the options say. It takes 8 bytes for each sample;
+    /// Where there are planes vertices are placed linearly and diagonals are the table's, whatever the options say. It takes 8 bytes for each sample;
     /// with an [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at
     /// the most. Without a plane it is the surface as it is.
     ///
@@ -67,6 +67,7 @@ impl Scan {
     ) -> Result<Vec<Extracted>, PipelineError> {
         let range = self.statistics(job)?.range.unwrap_or([iso, iso]);
         let linear = options.extract.clone().with_placement(Placement::Linear);
+        let linear = linear.with_diagonals(Diagonals::Table); // vertices are still to be moved
         let options = options.clone().with_extract(linear);
         let (extracted, cuts) = for_any!(self.volume(), volume => {
             let view = self.view(volume);

@@ -98,7 +98,8 @@ fn check<const N: usize>() {
         let rough = [0.0, 0.2, 0.9][round % 3];
         let mut polygons = rings::<N>(&mut state, rough);
         let own = [(); POLYGONS].map(|()| (chance(&mut state).abs() * ways.len() as f32) as u32);
-        let forbidden: Vec<u16> = ways.iter().map(|_| (chance(&mut state) * 3e4) as u16).collect();
+        let bits = |_| (65536.0 * (0.5 + 0.5 * chance(&mut state))) as u16;
+        let forbidden: Vec<u16> = ways.iter().map(bits).collect();
         let of = |polygons: &Polygons<N>, level, mirrors| {
             polygons.best_at(level, (&ways, &forbidden), &own, mirrors)
         };

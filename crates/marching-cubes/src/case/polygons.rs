@@ -21,7 +21,7 @@ pub(crate) struct Polygon {
     /// The way that the table has, by number.
     pub(crate) own: u32,
     /// The ways that draw a diagonal within a face, by number.
-    pub(crate) unsafe_ways: Vec<u8>,
+    pub(crate) ways_in_faces: Vec<u8>,
 }
 
 /// All ways to cut a polygon of so many corners.
@@ -89,7 +89,7 @@ impl Polygon {
             let [a, b] = corners.map(|corner| Edge::new(ring[corner]));
             a.common_face(b).is_some()
         });
-        let is_unsafe = |&number: &u8| {
+        let is_in_some_face = |&number: &u8| {
             let way = ways.all[usize::from(number)];
             way.diagonals[..own.len() - 1].iter().any(|&d| is_in_face[usize::from(d)])
         };
@@ -103,7 +103,7 @@ impl Polygon {
             first,
             named: [named, turned],
             own: own_way.expect("it is one of all") as u32,
-            unsafe_ways: (0..ways.all.len() as u8).filter(is_unsafe).collect(),
+            ways_in_faces: (0..ways.all.len() as u8).filter(is_in_some_face).collect(),
         }
     }
 }

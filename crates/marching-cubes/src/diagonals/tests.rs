@@ -158,7 +158,7 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, options: &ExtractOptions) -> [
             let is_least =
                 ways.iter().all(|(cost, own)| *cost >= 0.999 * chosen || area(own) < 1.001);
             assert!(
-                is_one && (is_own || is_less) && (is_least || chosen.is_nan()),
+                is_one && (is_own || is_less) && is_least && chosen.is_finite(),
                 "{case:#010b}: {fitted:?} of {ways:?}, {options:?}"
             );
             first += ring.len() - 2;

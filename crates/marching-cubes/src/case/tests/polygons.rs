@@ -48,7 +48,7 @@ fn the_ways_to_cut_polygons_are_all_that_keep_diagonals_out_of_faces() {
             let mut ways: Vec<Way> = ways.collect();
             let own = way(own.iter().map(|t| t.map(Edge::new)));
             assert_eq!(ways[polygon.own as usize], own, "{case:#010b}");
-            for &number in polygon.unsafe_ways.iter().rev() {
+            for &number in polygon.ways_in_faces.iter().rev() {
                 ways.remove(number.into());
             }
             let all: BTreeSet<Way> = triangulate::face_safe(ring).into_iter().map(way).collect();
