@@ -159,11 +159,11 @@ impl<const N: usize, const T: usize> Task for Choose<'_, N, T> {
         let normals = loaded(wide, &self.polygons.normals);
         let zero = wide.f32(0.0);
         let mut squares = [zero; DIAGONALS];
-        for n in 0..N * (N - 3) / 2 {
-            let [a, b] = const { diagonals::<N>() }[n];
+        let ends = const { diagonals::<N>() };
+        for (square, [a, b]) in squares.iter_mut().zip(ends).take(N * (N - 3) / 2) {
             let bend =
                 dot::<W>(minus::<W>(places[b], places[a]), minus::<W>(normals[b], normals[a]));
-            squares[n] = bend * bend;
+            *square = bend * bend;
         }
         let is_sound: [W::Mask; T] = sound(wide, &places, &normals, self.mirrors);
         let own = wide.load(self.best);
@@ -223,10 +223,9 @@ fn sound<W: Wide, const N: usize, const T: usize>(
     }
     let least = size * wide.f32(LEAST * N as f32);
     let mut is_sound = [wide.mask(0); T];
-    for n in 0..T {
-        let [a, b, c] = const { triples::<N>() }[n];
+    for (is_sound, [a, b, c]) in is_sound.iter_mut().zip(const { triples::<N>() }) {
         let area = dot::<W>(minus::<W>(places[b], places[a]), minus::<W>(across[c], across[a]));
-        is_sound[n] = least.less(area);
+        *is_sound = least.less(area);
     }
     is_sound
 }
