@@ -1,7 +1,8 @@
 //! The polygons in which the surface goes through a cell, and all ways to cut each into triangles.
 //!
 //! They are read off the table: the triangles of a polygon share its corners, and its sides are those that no two of
-//! them share. A way that draws a diagonal within a face of the cell is none: the cell behind that face may draw the same.
+//! them share. That is done once, when diagonals are first fitted: a surface that is cut as the table does needs none of it.
+//! A way that draws a diagonal within a face of the cell is none: the cell behind that face may draw the same.
 
 use super::TRIANGLES;
 use isokit_geom::cube::Edge;
