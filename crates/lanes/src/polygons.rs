@@ -8,8 +8,11 @@ use crate::{
     wide::{BATCH, Float, Task, Wide, run_at},
 };
 
+mod gather;
 #[cfg(test)]
 mod tests;
+
+pub use gather::Place;
 
 /// Polygons that are looked at together.
 pub const POLYGONS: usize = BATCH;
@@ -35,6 +38,9 @@ pub struct Polygons<const N: usize> {
     /// The normals of the corners, outward, one long.
     pub normals: [[[f32; POLYGONS]; 3]; N],
 }
+
+/// Of each polygon a bit for each way that it may not be cut in, the first of 32 the highest.
+pub type Forbidden = [[u32; POLYGONS]; 2];
 
 /// A way to cut a polygon of `N` corners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,18 +94,17 @@ impl<const N: usize> Default for Polygons<N> {
 impl<const N: usize> Polygons<N> {
     /// Of each polygon the number of the way whose diagonals have the least sum of squares of (n₁ − n₀) · (p₁ − p₀), p and n being
     /// places and normals of their ends, among the `ways` that are not `forbidden` and of which each triangle looks where the
-    /// normals of all corners together do, by more than rounding; `own` where none has less than that. `forbidden` has for each way
-    /// the bits of the polygons that it is not for.
+    /// normals of all corners together do, by more than rounding; `own` where none has less than that.
     ///
     /// Where `mirrors` is set the corners are clockwise.
     ///
     /// # Panics
     ///
-    /// If there are more than [`WAYS`], or not as many bits as ways, or a way names more than there is of anything.
+    /// If there are more than [`WAYS`], or one names more than there is of anything.
     /// With other than four to seven corners it does not compile.
     pub fn best(
         &self,
-        (ways, forbidden): (&[Way], &[u16]),
+        (ways, forbidden): (&[Way], &Forbidden),
         own: &[u32; POLYGONS],
         mirrors: bool,
     ) -> [u32; POLYGONS] {
@@ -109,31 +114,19 @@ impl<const N: usize> Polygons<N> {
     fn best_at(
         &self,
         level: Level,
-        (ways, forbidden): (&[Way], &[u16]),
+        (ways, forbidden): (&[Way], &Forbidden),
         own: &[u32; POLYGONS],
         mirrors: bool,
     ) -> [u32; POLYGONS] {
         const { assert!(4 <= N && N <= CORNERS, "four to seven corners") };
-        assert_eq!(ways.len(), forbidden.len(), "bits for each way");
         assert!(ways.len() <= WAYS, "{} ways", ways.len());
         let mut best = *own;
-        let (polygons, best_of) = (self, &mut best);
+        let choice = Choice { polygons: self, ways, forbidden, mirrors, best: &mut best };
         match N {
-            4 => {
-                run_at(level, Choose::<N, 4> { polygons, ways, forbidden, mirrors, best: best_of })
-            }
-            5 => {
-                run_at(level, Choose::<N, 10> { polygons, ways, forbidden, mirrors, best: best_of })
-            }
-            6 => {
-                run_at(level, Choose::<N, 20> { polygons, ways, forbidden, mirrors, best: best_of })
-            }
-            _ => {
-                run_at(
-                    level,
-                    Choose::<N, TRIPLES> { polygons, ways, forbidden, mirrors, best: best_of },
-                );
-            }
+            4 => run_at(level, Choose::<N, 2, 4>(choice)),
+            5 => run_at(level, Choose::<N, 5, 10>(choice)),
+            6 => run_at(level, Choose::<N, 9, 20>(choice)),
+            _ => run_at(level, Choose::<N, DIAGONALS, TRIPLES>(choice)),
         }
         best
     }
@@ -142,53 +135,61 @@ impl<const N: usize> Polygons<N> {
 /// The share of N times the squares of all distances from the first corner that is surely more than rounding.
 const LEAST: f32 = 1.0 / 65536.0;
 
-/// The choice, for polygons of `N` corners with `T` triples of these.
-struct Choose<'a, const N: usize, const T: usize> {
+/// What is to choose from.
+struct Choice<'a, const N: usize> {
     polygons: &'a Polygons<N>,
     ways: &'a [Way],
-    forbidden: &'a [u16],
+    forbidden: &'a Forbidden,
     mirrors: bool,
     /// At first the polygons' own ways.
     best: &'a mut [u32; POLYGONS],
 }
 
-impl<const N: usize, const T: usize> Task for Choose<'_, N, T> {
+/// The choice, for polygons of `N` corners with `D` diagonals and `T` triples of corners.
+struct Choose<'a, const N: usize, const D: usize, const T: usize>(Choice<'a, N>);
+
+impl<const N: usize, const D: usize, const T: usize> Task for Choose<'_, N, D, T> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let places = loaded(wide, &self.polygons.places);
-        let normals = loaded(wide, &self.polygons.normals);
+        let Choice { polygons, ways, forbidden, mirrors, best: found } = self.0;
+        let places = loaded(wide, &polygons.places);
+        let normals = loaded(wide, &polygons.normals);
         let zero = wide.f32(0.0);
-        let mut squares = [zero; DIAGONALS];
-        let ends = const { diagonals::<N>() };
-        for (square, [a, b]) in squares.iter_mut().zip(ends).take(N * (N - 3) / 2) {
+        let mut squares = [zero; D];
+        for (square, [a, b]) in squares.iter_mut().zip(const { diagonals::<N>() }) {
             let bend =
                 dot::<W>(minus::<W>(places[b], places[a]), minus::<W>(normals[b], normals[a]));
             *square = bend * bend;
         }
-        let is_sound: [W::Mask; T] = sound(wide, &places, &normals, self.mirrors);
-        let own = wide.load(self.best);
+        let is_sound: [W::Mask; T] = sound(wide, &places, &normals, mirrors);
+        let own = wide.load(found);
         let (mut least, mut best) = (zero, own);
-        for (n, way) in self.ways.iter().enumerate() {
+        for (n, way) in ways.iter().enumerate() {
             let is_own = wide.equal(own, wide.u32(n as u32));
-            least = wide.select_f32(is_own, sum::<W, N>(&squares, way), least);
+            least = wide.select_f32(is_own, sum::<W, N, D>(&squares, way), least);
         }
-        for (n, way) in self.ways.iter().enumerate() {
-            let sum = sum::<W, N>(&squares, way);
+        let mut bits = wide.load(&forbidden[0]);
+        for (n, way) in ways.iter().enumerate() {
+            let sum = sum::<W, N, D>(&squares, way);
+            if n == u32::BITS as usize {
+                bits = wide.load(&forbidden[1]);
+            }
             // What is not a number is not less.
-            let mut is_better = sum.less(least) & wide.mask(!self.forbidden[n]);
+            let mut is_better = sum.less(least) & wide.less(bits, wide.u32(1 << 31));
+            bits = bits + bits;
             for &triangle in &way.triangles[..N - 2] {
                 is_better = is_better & is_sound[usize::from(triangle)];
             }
             least = wide.select_f32(is_better, sum, least);
             best = wide.select(is_better, wide.u32(n as u32), best);
         }
-        *self.best = wide.store(best);
+        *found = wide.store(best);
     }
 }
 
 /// What is weighed of a way.
 #[inline(always)]
-fn sum<W: Wide, const N: usize>(squares: &[W::F32; DIAGONALS], way: &Way) -> W::F32 {
+fn sum<W: Wide, const N: usize, const D: usize>(squares: &[W::F32; D], way: &Way) -> W::F32 {
     let mut sum = squares[usize::from(way.diagonals[0])];
     for &diagonal in &way.diagonals[1..N - 3] {
         sum = sum + squares[usize::from(diagonal)];

@@ -7,10 +7,13 @@
 use crate::{Level, WORD};
 use std::ops::Range;
 
+mod cases;
 #[cfg(test)]
 mod tests;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod wide;
+
+pub use cases::add_cases;
 
 /// 64 cells of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,23 +79,6 @@ impl Word {
         (0..8).fold(0, |case, k| case | ((self.corners[k] >> i & 1) as u8) << k)
     }
 
-    /// Adds the cases of all crossed cells to `out`, in their order.
-    pub fn add_cases(&self, out: &mut Vec<u8>) {
-        for first in (0..u64::BITS).step_by(8) {
-            let mut active = self.active >> first & 0xFF;
-            if active == 0 {
-                continue;
-            }
-            let corners = self.corners.iter().rev();
-            let rows = corners.fold(0, |rows, corner| rows << 8 | (corner >> first & 0xFF));
-            let cases = transposed(rows).to_le_bytes();
-            while active != 0 {
-                out.push(cases[active.trailing_zeros() as usize]);
-                active &= active - 1;
-            }
-        }
-    }
-
     /// The crossed cells whose signs leave open what is connected: those with a face whose corners
     /// alternate, and those whose opposite corners have one sign each.
     #[inline(always)]
@@ -110,18 +96,6 @@ impl Word {
         let [x, y, z] = self.owned();
         self.active | x | y | z == 0
     }
-}
-
-/// Eight bytes of which bit `i` of byte `k` becomes bit `k` of byte `i` (Warren, "Hacker's Delight", 2nd edition 2013,
-/// section 7-3).
-fn transposed(rows: u64) -> u64 {
-    let swapped = |rows: u64, by: u32, mask: u64| {
-        let other = (rows ^ rows >> by) & mask;
-        rows ^ other ^ other << by
-    };
-    let rows = swapped(rows, 7, 0x00AA_00AA_00AA_00AA);
-    let rows = swapped(rows, 14, 0x0000_CCCC_0000_CCCC);
-    swapped(rows, 28, 0x0000_0000_F0F0_F0F0)
 }
 
 /// The bits of a slice of lattice points and of the next slice: between them lie rows of cells.

@@ -18,7 +18,7 @@ mod window;
 use crate::{
     Budget, ExtractError, ExtractOptions, Extracted, Nan, Skipped, Slabs,
     diagonals::Cases,
-    extract::{on_threads, precision},
+    extract::{on_threads, passes, precision},
     slabs::{Held, Making, Surface, check},
     winding::Winding,
 };
@@ -56,7 +56,7 @@ pub fn extract_sparse<T: Sample, S: MeshSink<Error: Send> + Send>(
     let mut window = Window::new(seek, grid.frame, options)?;
     let mut surface = Surface::new(iso, Cases::wanted(options, sink)?);
     let layers = blocks.counts[2];
-    job.progress.begin("extract", 3 * grid.dims()[2]);
+    job.progress.begin("extract", (1 + passes(options)) * grid.dims()[2]);
     for first in (0..layers).step_by(window.layers_together()) {
         let own = first..layers.min(first + window.layers_together());
         on_threads(job, || {
@@ -84,7 +84,8 @@ pub fn extract_sparse<T: Sample, S: MeshSink<Error: Send> + Send>(
         sink.piece(counts, precision).map_err(ExtractError::Sink)?;
     }
     if let Some(cases) = cases {
-        on_threads(job, || cases.fit(sink, Winding::of(&grid.frame), job))?;
+        let all = (Winding::of(&grid.frame), grid.dims()[2]);
+        on_threads(job, || cases.fit(sink, all, job))?;
     }
     let all: u64 = blocks.counts.iter().map(|&n| n as u64).product();
     let skipped = Skipped {

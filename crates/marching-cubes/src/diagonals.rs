@@ -24,17 +24,17 @@ use crate::{
     Diagonals, ExtractError, ExtractOptions,
     case::{
         COUNTS,
-        polygons::{POLYGONS as OF_CASES, Polygon},
+        polygons::{POLYGONS as OF_CASES, Polygon, Ways},
     },
     fill::split_off,
     winding::Winding,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{CORNERS, POLYGONS, Polygons, WAYS, exactly};
+use isokit_lanes::{CORNERS, Forbidden, POLYGONS, Place, Polygons, exactly};
 use isokit_mesh::{MeshSink, Piece, PositionsMut};
 use rayon::prelude::*;
 use std::{
-    array, mem,
+    mem,
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
@@ -77,11 +77,11 @@ impl Cases {
         self.lock().clear();
     }
 
-    /// Cuts all polygons of the surface that the sink holds anew.
+    /// Cuts all polygons of the surface that the sink holds anew. Progress advances by the slices of the volume.
     pub(crate) fn fit<S: MeshSink>(
         &self,
         sink: &mut S,
-        winding: Winding,
+        (winding, slices): (Winding, u64),
         job: &Job,
     ) -> Result<(), ExtractError<S::Error>> {
         let mut runs = mem::take(&mut *self.lock());
@@ -93,10 +93,10 @@ impl Cases {
         let triangles = (triangles, winding);
         match positions {
             PositionsMut::F32(positions) => {
-                fit(&Vertices { positions, normals }, triangles, &runs, job)?;
+                fit(&Vertices { positions, normals }, triangles, &runs, (slices, job))?;
             }
             PositionsMut::F64(positions) => {
-                fit(&Vertices { positions, normals }, triangles, &runs, job)?;
+                fit(&Vertices { positions, normals }, triangles, &runs, (slices, job))?;
             }
         }
         Ok(())
@@ -114,12 +114,18 @@ const SHARE: usize = 1 << 14;
 /// Cells whose polygons are sorted at a time.
 const CELLS: usize = 1 << 12;
 
-fn fit<C: Coordinate>(
-    vertices: &Vertices<'_, C>,
+/// Triangles that a case has at most: a row of the table has room for no more.
+const MOST: usize = 5;
+
+fn fit<P: Place>(
+    vertices: &Vertices<'_, P>,
     (mut triangles, winding): (&mut [[u32; 3]], Winding),
     runs: &[Run],
-    job: &Job,
+    (slices, job): (u64, &Job),
 ) -> Result<(), Cancelled> {
+    // Of all slices as much as of all triangles.
+    let all = triangles.len().max(1) as u128;
+    let part = |before: u64| (u128::from(slices) * u128::from(before) / all) as u64;
     let (mut tasks, mut before, mut own) = (vec![], 0, 0..0);
     for n in 0..runs.len() {
         let end = runs.get(n + 1).map_or(before + triangles.len() as u64, |next| next.first);
@@ -130,73 +136,88 @@ fn fit<C: Coordinate>(
             (before, own.start) = (end, own.end);
         }
     }
+    if tasks.is_empty() {
+        job.progress.advance(slices);
+    }
     let turned = winding == Winding::Turned;
     tasks.into_par_iter().try_for_each_init(Sorted::default, |sorted, (first, runs, triangles)| {
         job.check()?;
+        let end = first + triangles.len() as u64;
         exactly(|| {
             for run in runs {
-                let mut at = (run.first - first) as usize;
+                let (_, mut rest) = triangles.split_at_mut((run.first - first) as usize);
                 for cases in run.cases.chunks(CELLS) {
-                    at = sorted.add(at, cases);
-                    sorted.cut(triangles, (vertices, turned));
+                    let own = split_off(&mut rest, sorted.add(cases));
+                    sorted.cut(own, (vertices, turned));
                 }
             }
         });
+        job.progress.advance(part(end) - part(first));
         Ok(())
     })
 }
 
 /// What the choice depends on.
-struct Vertices<'a, C> {
-    positions: &'a [[C; 3]],
+struct Vertices<'a, P> {
+    positions: &'a [[P; 3]],
     normals: &'a [[f32; 3]],
 }
 
-/// The polygons of some cells, by the number of their corners: each with the number of its cell's first triangle.
+/// A polygon of a cell.
+#[derive(Clone, Copy)]
+struct Found {
+    /// Its number among those of all cases.
+    polygon: u16,
+    /// The number of its first triangle among those of the cells that are sorted together.
+    first: u16,
+}
+
+/// The polygons of some cells, by the number of their corners.
 #[derive(Default)]
 struct Sorted {
-    of: [Vec<(&'static Polygon, usize)>; CORNERS + 1],
+    of: [Vec<Found>; CORNERS + 1],
 }
 
 impl Sorted {
-    /// Adds those of cells whose triangles begin with number `at`. The number of the first triangle after these.
-    fn add(&mut self, mut at: usize, cases: &[u8]) -> usize {
-        let polygons = &*OF_CASES;
+    /// Adds those of cells, [`CELLS`] at most. How many triangles the cells have.
+    fn add(&mut self, cases: &[u8]) -> usize {
+        const { assert!(CELLS * MOST <= 1 << 16, "numbers of 16 bits") };
+        let (polygons, mut at) = (&*OF_CASES, 0);
         for &case in cases {
-            for polygon in polygons.of(case) {
-                self.of[polygon.corners].push((polygon, at));
+            for number in polygons.of(case) {
+                let polygon = polygons.get(number);
+                let first = (at + polygon.first) as u16;
+                self.of[polygon.corners].push(Found { polygon: number, first });
             }
             at += usize::from(COUNTS[usize::from(case)]);
         }
         at
     }
 
-    /// Cuts all, and forgets them.
-    fn cut<C: Coordinate>(
-        &mut self,
-        triangles: &mut [[u32; 3]],
-        surface: (&Vertices<'_, C>, bool),
-    ) {
-        self.cut_some::<4, C>(triangles, surface);
-        self.cut_some::<5, C>(triangles, surface);
-        self.cut_some::<6, C>(triangles, surface);
-        self.cut_some::<CORNERS, C>(triangles, surface);
+    /// Cuts all, of which these are the triangles, and forgets them.
+    fn cut<P: Place>(&mut self, triangles: &mut [[u32; 3]], surface: (&Vertices<'_, P>, bool)) {
+        self.cut_some::<4, P>(triangles, surface);
+        self.cut_some::<5, P>(triangles, surface);
+        self.cut_some::<6, P>(triangles, surface);
+        self.cut_some::<CORNERS, P>(triangles, surface);
     }
 
-    fn cut_some<const N: usize, C: Coordinate>(
+    fn cut_some<const N: usize, P: Place>(
         &mut self,
         triangles: &mut [[u32; 3]],
-        (vertices, turned): (&Vertices<'_, C>, bool),
+        (vertices, turned): (&Vertices<'_, P>, bool),
     ) {
         if self.of[N].is_empty() {
             return;
         }
-        let mut batch = Batch::<N>::default();
+        let (polygons, mut batch) = (&*OF_CASES, Batch::<N>::default());
         for some in self.of[N].chunks(POLYGONS) {
-            for (n, &(polygon, at)) in some.iter().enumerate() {
-                batch.put(n, (polygon, at), triangles, (vertices, turned));
+            for (n, found) in some.iter().enumerate() {
+                let (polygon, first) = (polygons.get(found.polygon), found.first.into());
+                batch.put(n, polygon, first, (triangles, turned));
             }
-            batch.cut(some.len(), triangles, turned);
+            batch.polygons.gather(&batch.corners, (vertices.positions, vertices.normals));
+            batch.cut(some.len(), polygons.ways(N), (triangles, turned));
         }
         self.of[N].clear();
     }
@@ -208,11 +229,11 @@ struct Batch<const N: usize> {
     /// The number of the first triangle of each.
     first: [usize; POLYGONS],
     /// Their vertices.
-    corners: [[u32; N]; POLYGONS],
+    corners: [[u32; POLYGONS]; N],
     /// The ways that the table has.
     own: [u32; POLYGONS],
-    /// Of each way the bits of those that it is not for.
-    forbidden: [u16; WAYS],
+    /// The ways that draw a diagonal within a face.
+    forbidden: Forbidden,
 }
 
 impl<const N: usize> Default for Batch<N> {
@@ -220,48 +241,31 @@ impl<const N: usize> Default for Batch<N> {
         Self {
             polygons: Polygons::default(),
             first: [0; POLYGONS],
-            corners: [[0; N]; POLYGONS],
+            corners: [[0; POLYGONS]; N],
             own: [0; POLYGONS],
-            forbidden: [0; WAYS],
+            forbidden: Forbidden::default(),
         }
     }
 }
 
 impl<const N: usize> Batch<N> {
-    /// Takes a polygon of a cell whose triangles begin with number `at`.
+    /// Takes a polygon.
     #[inline(always)]
-    fn put<C: Coordinate>(
-        &mut self,
-        n: usize,
-        (polygon, at): (&Polygon, usize),
-        triangles: &[[u32; 3]],
-        (vertices, turned): (&Vertices<'_, C>, bool),
-    ) {
-        let first = at + polygon.first;
+    fn put(&mut self, n: usize, polygon: &Polygon, first: usize, of: (&[[u32; 3]], bool)) {
+        let (triangles, turned) = of;
         let own = triangles[first..][..N - 2].as_flattened();
-        let named = &polygon.named[usize::from(turned)];
-        let corners: [u32; N] = array::from_fn(|n| own[usize::from(named[n])]);
-        let origin = vertices.positions[corners[0] as usize];
-        let n = n % POLYGONS;
-        for (corner, &vertex) in corners.iter().enumerate() {
-            let place = vertices.positions[vertex as usize];
-            let normal = vertices.normals[vertex as usize];
-            for k in 0..3 {
-                self.polygons.places[corner][k][n] = place[k].from(origin[k]);
-                self.polygons.normals[corner][k][n] = normal[k];
-            }
+        let (named, n) = (&polygon.named[usize::from(turned)], n % POLYGONS);
+        for (corner, &at) in self.corners.iter_mut().zip(named) {
+            corner[n] = own[usize::from(at)];
         }
-        (self.first[n], self.corners[n], self.own[n]) = (first, corners, polygon.own);
-        for &way in &polygon.ways_in_faces {
-            self.forbidden[usize::from(way)] |= 1 << n;
-        }
+        (self.first[n], self.own[n]) = (first, polygon.own);
+        let [some, others] = polygon.ways_in_faces;
+        (self.forbidden[0][n], self.forbidden[1][n]) = (some, others);
     }
 
     /// Cuts the first so many.
-    fn cut(&mut self, count: usize, triangles: &mut [[u32; 3]], turned: bool) {
-        let ways = OF_CASES.ways(N);
-        let forbidden = &mut self.forbidden[..ways.all.len()];
-        let best = self.polygons.best((&ways.all, forbidden), &self.own, turned);
+    fn cut(&mut self, count: usize, ways: &Ways, (triangles, turned): (&mut [[u32; 3]], bool)) {
+        let best = self.polygons.best((&ways.all, &self.forbidden), &self.own, turned);
         for n in 0..count {
             if best[n] == self.own[n] {
                 continue;
@@ -269,30 +273,9 @@ impl<const N: usize> Batch<N> {
             let own = &mut triangles[self.first[n]..][..N - 2];
             for (triangle, &[a, b, c]) in own.iter_mut().zip(&ways.triangles[best[n] as usize]) {
                 let corners = if turned { [a, c, b] } else { [a, b, c] };
-                *triangle = corners.map(|corner| self.corners[n][usize::from(corner)]);
+                *triangle = corners.map(|corner| self.corners[usize::from(corner)][n]);
             }
         }
-        forbidden.fill(0);
-    }
-}
-
-/// A coordinate as a surface keeps it.
-trait Coordinate: Copy + Sync {
-    /// How far it is from another one, rounded to f32.
-    fn from(self, other: Self) -> f32;
-}
-
-impl Coordinate for f32 {
-    #[inline(always)]
-    fn from(self, other: Self) -> f32 {
-        self - other
-    }
-}
-
-impl Coordinate for f64 {
-    #[inline(always)]
-    fn from(self, other: Self) -> f32 {
-        (self - other) as f32
     }
 }
 

@@ -1,7 +1,7 @@
 //! The entries: volume, value, options, sink; or several values with a sink each.
 
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Skipped, Source, Topology,
+    Boundary, Degenerate, Diagonals, ExtractError, ExtractOptions, Nan, Skipped, Source, Topology,
     diagonals::Cases,
     fill::Fill,
     layout::{Layout, check_size},
@@ -124,7 +124,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
                 ControlFlow::Continue(slices) => filled = slices,
             }
         }
-        let (planes, skipped) = classified(&source, isos, Passes::CountAndFill, options, job)?;
+        let (planes, skipped) = classified(&source, isos, passes(options), options, job)?;
         let surfaces = planes.into_iter().zip(isos).zip(sinks.iter_mut().zip(&cases));
         let extract = |((mut planes, &iso), (sink, cases)): ((Planes, &f64), (&mut S, &_))| {
             let cases: Option<&Cases> = Option::as_ref(cases);
@@ -132,11 +132,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             let layout = layout(&mut planes, &values, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
             let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
-            let bytes = counts.bytes(precision, sink.wants_normals());
-            // A cell whose case is kept has a triangle.
-            let of_cases = if cases.is_some() { counts.triangles } else { 0 };
-            let bytes = bytes.and_then(|bytes| bytes.checked_add(of_cases));
-            job.limits.probe("surface", bytes, 1)?;
+            job.limits.probe("surface", bytes(counts, precision, (sink, cases)), 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
                 let placer = Placer::new(*view, iso, margin, 0.0).with_options(options);
@@ -150,7 +146,8 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
                     job,
                 )?;
             }
-            cases.map_or(Ok(()), |cases| cases.fit(sink, Winding::of(view.frame()), job))?;
+            let all = (Winding::of(view.frame()), view.dims()[2] as u64);
+            cases.map_or(Ok(()), |cases| cases.fit(sink, all, job))?;
             Ok(Extracted { counts, precision, margin, singular_cells, skipped })
         };
         surfaces.map(extract).collect()
@@ -191,7 +188,8 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     }
     let room = if sweep.is_allowed(job) { sink.spare(likely, precision) } else { None };
     let Some(room) = room else { return Ok(ControlFlow::Continue(0)) };
-    job.progress.begin("extract", view.dims()[2] as u64);
+    let slices = view.dims()[2] as u64;
+    job.progress.begin("extract", slices * (1 + u64::from(cases.is_some())));
     let (counts, singular_cells) = match sweep.run(room, job).map_err(ExtractError::from)? {
         Swept::Whole { counts, singular_cells } => (counts, singular_cells),
         Swept::Part { filled } => {
@@ -201,14 +199,24 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
             return Ok(ControlFlow::Continue(filled));
         }
     };
-    let bytes = counts.bytes(precision, sink.wants_normals());
     // The memory is there.
-    job.limits.allow("surface", bytes, 1)?;
+    job.limits.allow("surface", bytes(counts, precision, (sink, cases)), 1)?;
     sink.piece(counts, precision).map_err(ExtractError::Sink)?;
-    cases.map_or(Ok(()), |cases| cases.fit(sink, sweep.winding, job))?;
+    cases.map_or(Ok(()), |cases| cases.fit(sink, (sweep.winding, slices), job))?;
     let samples_read = view.dims().iter().map(|&n| n as u64).product();
     let skipped = Skipped { samples_read, ..Skipped::default() };
     Ok(ControlFlow::Break(Extracted { counts, precision, margin, singular_cells, skipped }))
+}
+
+/// What a surface takes, with the cases of its cells where they are kept; none if that does not fit 64 bits.
+fn bytes<S: MeshSink>(
+    counts: Counts,
+    precision: Precision,
+    (sink, cases): (&S, Option<&Cases>),
+) -> Option<u64> {
+    // A cell whose case is kept has a triangle.
+    let of_cases = if cases.is_some() { counts.triangles } else { 0 };
+    counts.bytes(precision, sink.wants_normals())?.checked_add(of_cases)
 }
 
 /// How many vertices and triangles the surfaces of several values have, with one pass over the samples.
@@ -230,7 +238,7 @@ pub fn count_many<'a, T: Sample>(
         {
             return Ok(counts);
         }
-        let (planes, _) = classified(&source, isos, Passes::Count, options, job)?;
+        let (planes, _) = classified(&source, isos, 1, options, job)?;
         let count = |(mut planes, &iso): (Planes, &f64)| {
             let values = Values::new(source.view, iso, planes.lattice.guard);
             let layout = layout(&mut planes, &values, options, job)?;
@@ -265,25 +273,23 @@ fn tallied<T: Sample>(
     tally.into_iter().map(count).collect::<Result<_, _>>().map(Some)
 }
 
-/// What follows the classification, once for each isovalue.
-#[derive(Clone, Copy, Debug)]
-enum Passes {
-    Count = 1,
-    CountAndFill = 2,
+/// How often a surface is gone through once the signs are known: counted, filled, and looked at again to fit its diagonals.
+pub(crate) fn passes(options: &ExtractOptions) -> u64 {
+    2 + u64::from(options.diagonals == Diagonals::Fitted)
 }
 
-/// The planes of all isovalues, once it is known that there may be surfaces.
+/// The planes of all isovalues, once it is known that there may be surfaces, each of which is gone through `passes` times.
 fn classified<T: Sample, E: Send>(
     source: &Source<'_, T>,
     isos: &[f64],
-    passes: Passes,
+    passes: u64,
     options: &ExtractOptions,
     job: &Job,
 ) -> Result<(Vec<Planes>, Skipped), ExtractError<E>> {
     let view = &source.view;
     let lattice = checked(view, isos, options)?;
     // Each pass goes through all slices once.
-    let passes = 1 + passes as u64 * isos.len() as u64;
+    let passes = 1 + passes * isos.len() as u64;
     job.progress.begin("extract", passes * view.dims()[2] as u64);
     Planes::classify(source, lattice, isos, options.nan, job)
 }

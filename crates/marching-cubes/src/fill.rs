@@ -11,7 +11,8 @@ use crate::{
 };
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{
-    BLOCK, Coordinate, Edges, FirstVertices, Word, exactly, prefer_large_pages, provide, triangles,
+    BLOCK, Coordinate, Edges, FirstVertices, Word, add_cases, exactly, prefer_large_pages, provide,
+    triangles,
 };
 use isokit_mesh::{Counts, Piece, PositionsMut};
 use isokit_volume::Sample;
@@ -268,7 +269,7 @@ impl<T: Sample> Fill<'_, T> {
                 let written = self.triangles(z, words, triangles);
                 split_off(triangles, written);
                 if self.cases.is_some() {
-                    words.iter().for_each(|word| word.add_cases(cases));
+                    add_cases(words, cases);
                 }
             }
             match words.len() <= BLOCK {

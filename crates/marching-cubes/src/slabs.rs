@@ -21,7 +21,7 @@ pub use budget::Budget;
 use crate::{
     ExtractError, ExtractOptions, Extracted, Nan, SlabError, Source, Topology,
     diagonals::Cases,
-    extract::{on_threads, precision},
+    extract::{on_threads, passes, precision},
     fill::Fill,
     layout::{Layout, Part},
     planes::{Lattice, Planes},
@@ -71,7 +71,8 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
     let precision = exactly(|| precision(&grid, slabs.options))?;
     let making = Making { slabs, precision, job };
     let mut window = Window::new(&*source, slabs, job).map_err(ExtractError::from)?;
-    job.progress.begin("extract", (3 * surfaces.len() as u64).saturating_mul(grid.dims()[2]));
+    let passes = (1 + passes(slabs.options)) * surfaces.len() as u64;
+    job.progress.begin("extract", passes.saturating_mul(grid.dims()[2]));
     while !window.is_last() {
         window.advance(source, job).map_err(SlabError::Source)?;
         if slabs.options.nan == Nan::Error {
@@ -105,8 +106,8 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
             sinks.sink(n).piece(counts, precision).map_err(ExtractError::Sink)?;
         }
         if let Some(cases) = cases {
-            let winding = Winding::of(&grid.frame);
-            on_threads(job, || cases.fit(&mut sinks.sink(n), winding, job))?;
+            let all = (Winding::of(&grid.frame), grid.dims()[2]);
+            on_threads(job, || cases.fit(&mut sinks.sink(n), all, job))?;
         }
         found.push(Extracted { counts, precision, margin, singular_cells, skipped });
     }

@@ -98,8 +98,9 @@ fn check<const N: usize>() {
         let rough = [0.0, 0.2, 0.9][round % 3];
         let mut polygons = rings::<N>(&mut state, rough);
         let own = [(); POLYGONS].map(|()| (chance(&mut state).abs() * ways.len() as f32) as u32);
-        let bits = |_| (65536.0 * (0.5 + 0.5 * chance(&mut state))) as u16;
-        let forbidden: Vec<u16> = ways.iter().map(bits).collect();
+        let mut bits = || (chance(&mut state).abs() * u32::MAX as f32) as u32;
+        let forbidden = [[(); POLYGONS]; 2].map(|half| half.map(|()| bits()));
+        let is_forbidden = |way: usize, n: usize| forbidden[way / 32][n] << (way % 32) >> 31 == 1;
         let of = |polygons: &Polygons<N>, level, mirrors| {
             polygons.best_at(level, (&ways, &forbidden), &own, mirrors)
         };
@@ -116,11 +117,11 @@ fn check<const N: usize>() {
                 continue;
             }
             let [sum, before] = [found, own].map(|way| judged(&polygons, n, &ways[way]).0);
-            assert!(found == own || (sum < before * 1.0001 && forbidden[found] >> n & 1 == 0));
+            assert!(found == own || (sum < before * 1.0001 && !is_forbidden(found, n)));
             assert!(found == own || judged(&polygons, n, &ways[found]).1 != Some(false));
             for (other, way) in ways.iter().enumerate() {
                 let (less, is_sound) = judged(&polygons, n, way);
-                let is_allowed = forbidden[other] >> n & 1 == 0 && is_sound == Some(true);
+                let is_allowed = !is_forbidden(other, n) && is_sound == Some(true);
                 assert!(!(is_allowed && less < sum * 0.9999), "{other} rather than {found}");
             }
         }
@@ -139,6 +140,52 @@ fn polygons_get_the_best_way_that_is_allowed_and_sound() {
     check::<5>();
     check::<6>();
     check::<CORNERS>();
+}
+
+/// Places and normals as they are gathered from vertices of which the last are corners too, or not.
+fn check_gathered<const N: usize>() {
+    let mut state = 3 * N as u64;
+    for (count, least) in [(1, 0), (2, 1), (40, 0), (40, 30), (900, 0)] {
+        let mut vectors = || -> Vec<[f32; 3]> {
+            (0..count).map(|_| [(); 3].map(|()| 10.0 * chance(&mut state))).collect()
+        };
+        let (places, normals) = (vectors(), vectors());
+        let wide: Vec<_> = places.iter().map(|place| place.map(|x| f64::from(x) / 3.0)).collect();
+        let corners: [[u32; POLYGONS]; N] = [[(); POLYGONS]; N].map(|polygons| {
+            polygons.map(|()| least + ((count - least) as f32 * chance(&mut state).abs()) as u32)
+        });
+        for &level in Level::available() {
+            let mut gathered = [Polygons::<N>::default(), Polygons::<N>::default()];
+            gathered[0].gather_at(level, &corners, (&places, &normals));
+            gathered[1].gather_at(level, &corners, (&wide, &normals));
+            for (n, corner, k) in (0..POLYGONS)
+                .flat_map(|n| (0..N).flat_map(move |corner| (0..3).map(move |k| (n, corner, k))))
+            {
+                let [vertex, first] = [corners[corner][n], corners[0][n]].map(|v| v as usize);
+                let away = places[vertex][k] - places[first][k];
+                let wide_away = (wide[vertex][k] - wide[first][k]) as f32;
+                for (polygons, away) in gathered.iter().zip([away, wide_away]) {
+                    let found = [&polygons.places, &polygons.normals].map(|all| all[corner][k][n]);
+                    assert_eq!(found, [away, normals[vertex][k]], "{level}, {count}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn corners_are_gathered_from_the_vertices_of_their_numbers() {
+    check_gathered::<4>();
+    check_gathered::<5>();
+    check_gathered::<6>();
+    check_gathered::<CORNERS>();
+}
+
+#[test]
+#[should_panic(expected = "out of bounds")]
+fn a_number_of_no_vertex_is_no_corner() {
+    let vertices = [[0.0_f32; 3]; 5];
+    Polygons::<4>::default().gather(&[[5; POLYGONS]; 4], (&vertices, &vertices));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Words against the corners of single cells.
 
-use super::{BitRows, Word, words_of_rows_at, words_of_run_at};
+use super::{BitRows, Word, cases::add_cases_at, words_of_rows_at, words_of_run_at};
 use crate::Level;
 
 /// Each mask by its definition, from the corners of single cells, for all rows and for some.
@@ -14,12 +14,12 @@ fn check(low: &[u64], high: Option<&[u64]>, points: usize) {
             check_cell(&words, [low, high.unwrap_or(low)], [y, rows], [i, points], high.is_some());
         }
         assert!(words.is_sorted_by_key(|word| (word.row, word.first)), "in order");
-        for word in &words {
-            let cells = (0..64).filter(|cell| word.active >> cell & 1 == 1);
-            let (cases, mut all) = (cells.map(|cell| word.case(cell)).collect::<Vec<_>>(), vec![7]);
-            word.add_cases(&mut all);
-            assert_eq!(all[1..], cases);
-        }
+        let crossed = |word: &&Word, cell: &u32| word.active >> cell & 1 == 1;
+        let cells = |word| (0..64).filter(move |cell| crossed(&word, cell));
+        let cases = words.iter().flat_map(|word| cells(word).map(|cell| word.case(cell)));
+        let mut found = vec![7];
+        add_cases_at(*level, &words, &mut found);
+        assert!(found[1..].iter().copied().eq(cases), "{level}");
         let mut some = vec![];
         words_of_rows_at(*level, &bits, rows / 3..rows - rows / 3, &mut some);
         words.retain(|word| (rows / 3..rows - rows / 3).contains(&word.row));

@@ -7,7 +7,7 @@
 use super::TRIANGLES;
 use isokit_geom::cube::Edge;
 use isokit_lanes::{CORNERS, DIAGONALS, TRIPLES, Way, diagonals, triples};
-use std::{array, sync::LazyLock};
+use std::{array, ops::Range, sync::LazyLock};
 
 /// A polygon that can be cut in more than one way.
 #[derive(Debug)]
@@ -21,8 +21,8 @@ pub(crate) struct Polygon {
     pub(crate) named: [[u8; CORNERS]; 2],
     /// The way that the table has, by number.
     pub(crate) own: u32,
-    /// The ways that draw a diagonal within a face, by number.
-    pub(crate) ways_in_faces: Vec<u8>,
+    /// A bit for each way that draws a diagonal within a face, the first of 32 the highest.
+    pub(crate) ways_in_faces: [u32; 2],
 }
 
 /// All ways to cut a polygon of so many corners.
@@ -53,11 +53,16 @@ pub(crate) static POLYGONS: LazyLock<Polygons> = LazyLock::new(|| {
 });
 
 impl Polygons {
-    /// Those of a case that can be cut in more than one way.
+    /// The numbers of those of a case that can be cut in more than one way.
     #[inline(always)]
-    pub(crate) fn of(&self, case: u8) -> &[Polygon] {
-        let case = usize::from(case);
-        &self.all[self.first[case].into()..self.first[case + 1].into()]
+    pub(crate) fn of(&self, case: u8) -> Range<u16> {
+        self.first[usize::from(case)]..self.first[usize::from(case) + 1]
+    }
+
+    /// Number so much of all.
+    #[inline(always)]
+    pub(crate) fn get(&self, number: u16) -> &Polygon {
+        &self.all[usize::from(number)]
     }
 
     /// The ways to cut those of so many corners.
@@ -90,10 +95,10 @@ impl Polygon {
             let [a, b] = corners.map(|corner| Edge::new(ring[corner]));
             a.common_face(b).is_some()
         });
-        let is_in_some_face = |&number: &u8| {
-            let way = ways.all[usize::from(number)];
-            way.diagonals[..own.len() - 1].iter().any(|&d| is_in_face[usize::from(d)])
-        };
+        let is_in_some_face =
+            |way: &Way| way.diagonals[..own.len() - 1].iter().any(|&d| is_in_face[usize::from(d)]);
+        let bit = |(n, way): (usize, &Way)| u64::from(is_in_some_face(way)) << 63 >> n;
+        let bits = ways.all.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit);
         let named = array::from_fn(|n: usize| {
             let is_it = |edge: &u8| ring.get(n) == Some(edge);
             own.as_flattened().iter().position(is_it).map_or(0, |at| at as u8)
@@ -104,7 +109,7 @@ impl Polygon {
             first,
             named: [named, turned],
             own: own_way.expect("it is one of all") as u32,
-            ways_in_faces: (0..ways.all.len() as u8).filter(is_in_some_face).collect(),
+            ways_in_faces: [(bits >> 32) as u32, bits as u32],
         }
     }
 }

@@ -15,9 +15,9 @@ use isokit_geom::{
     cube::Edge,
     vector::{Vector, cross, dot, sub},
 };
-use isokit_job::{Job, Threads};
+use isokit_job::{CancelToken, Cancelled, Job, Limits, Stopped, Threads};
 use isokit_lanes::Extent;
-use isokit_mesh::{Counts, MeshSink, Piece, Precision, TriMesh};
+use isokit_mesh::{Counts, MeshSink, Piece, Precision, Refill, TriMesh};
 use isokit_volume::{Bricks, Grid, Points, Sample, SampleSource, Slices, Volume};
 use std::{collections::BTreeSet, convert::Infallible, num::NonZeroUsize};
 
@@ -288,6 +288,72 @@ impl MeshSink for Passing {
 
     fn piece(&mut self, counts: Counts, precision: Precision) -> Result<Piece<'_>, Infallible> {
         Ok(self.0.renew(counts, precision))
+    }
+}
+
+/// A mesh whose job is cancelled when the surface is there.
+struct Stopping<'a>(Refill<'a>, CancelToken);
+
+impl MeshSink for Stopping<'_> {
+    type Error = Infallible;
+
+    fn wants_normals(&self) -> bool {
+        true
+    }
+
+    fn piece(&mut self, counts: Counts, precision: Precision) -> Result<Piece<'_>, Infallible> {
+        self.0.piece(counts, precision)
+    }
+
+    fn held(&mut self) -> Option<Piece<'_>> {
+        let held = self.0.held();
+        if held.as_ref().is_some_and(|held| !held.triangles.is_empty()) {
+            self.1.cancel();
+        }
+        held
+    }
+}
+
+#[test]
+fn who_cancels_while_diagonals_are_fitted_or_has_no_memory_for_them_is_heard() {
+    let volume = volume([19, 14, 16], frames()[0], waves);
+    let (view, job) = (volume.view(), Job::default());
+    let mut mesh = TriMesh::with_normals();
+    let mut sink = Stopping(mesh.refill(), job.cancel.clone());
+    let stopped = extract_into(&view, 0.1, &FITTED, &mut sink, &job);
+    assert_eq!(stopped, Err(ExtractError::Stopped(Stopped::Cancelled(Cancelled))));
+    drop(sink);
+    // Exactly what the surface takes. The cases of cells take more.
+    let bytes = 24 * mesh.positions.len() as u64 + 12 * mesh.triangles.len() as u64;
+    let job = Job { limits: Limits { bytes }, ..Job::default() };
+    let table = FITTED.with_diagonals(Diagonals::Table);
+    for count in [1, 2] {
+        let (isos, mut meshes) = (vec![0.1; count], vec![mesh.clone(); count]);
+        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
+        assert!(extract_many(&view, &isos, &table, &mut sinks, &job).is_ok());
+        drop(sinks);
+        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
+        let over = extract_many(&view, &isos, &FITTED, &mut sinks, &job).unwrap_err();
+        assert!(over.to_string().starts_with("surface needs"), "{over}, of {count}");
+    }
+}
+
+#[test]
+fn progress_tells_of_the_fitting_too() {
+    // Triangles for several tasks.
+    let volume = volume([50, 40, 45], frames()[0], waves);
+    let options = FITTED.with_boundary(Boundary::Open);
+    for isos in [&[0.1][..], &[0.1, -0.3]] {
+        for used in [false, true] {
+            let mut meshes = vec![TriMesh::with_normals(); isos.len()];
+            let job = Job::default();
+            for _ in 0..1 + usize::from(used) {
+                let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
+                extract_many(&volume.view(), isos, &options, &mut sinks, &job).unwrap();
+            }
+            let now = job.progress.snapshot();
+            assert_eq!((now.phase, now.done), ("extract", now.total), "{isos:?}, {used}");
+        }
     }
 }
 

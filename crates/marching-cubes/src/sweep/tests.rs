@@ -1,8 +1,8 @@
 //! The sweep against the passes, which several isovalues at once go through.
 
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Gradient, Nan, Placement, Topology,
-    extract, extract_into, extract_many,
+    Boundary, Degenerate, Diagonals, ExtractError, ExtractOptions, Gradient, Nan, Placement,
+    Topology, extract, extract_into, extract_many,
 };
 use isokit_geom::Frame;
 use isokit_job::{Job, Limits, Stopped, Threads};
@@ -68,6 +68,7 @@ fn check<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) {
     }
 }
 
+/// All choices; of those that share any one of them half have fitted diagonals.
 fn all_options() -> Vec<ExtractOptions> {
     let mut all = vec![];
     for boundary in [Boundary::Closed, Boundary::Open] {
@@ -79,7 +80,10 @@ fn all_options() -> Vec<ExtractOptions> {
                 (Placement::Quintic, Gradient::Matching),
             ] {
                 for degenerate in [Degenerate::Never, Degenerate::Exact] {
-                    let options = ExtractOptions::DEFAULT.with_boundary(boundary);
+                    let is_fitted = all.len().count_ones() % 2 == 1;
+                    let diagonals = [Diagonals::Table, Diagonals::Fitted][usize::from(is_fitted)];
+                    let options = ExtractOptions::DEFAULT.with_diagonals(diagonals);
+                    let options = options.with_boundary(boundary);
                     let options = options.with_topology(topology).with_placement(placement);
                     all.push(options.with_gradient(gradient).with_degenerate(degenerate));
                 }
