@@ -2,12 +2,12 @@
 """Runs isokit and its peers through the stress list and says what is wrong with each mesh.
 
 Started by `scripts/stress`, which installs the peers and builds the program. Small volumes go
-through isokit in rows of modes in which every two answers to two options meet; with all threads,
-instructions, kinds of memory and types of samples the mesh must be the same. Then, unless
-`--quick`, each volume of the listed size goes through isokit once for each type of sample that holds its values, and, in its
-own type, through each peer, in a process of its own. Table and data go to
-scripts/results/DATE-CPU/stress, those of the small form to target/stress. Exit 1 if isokit fails an
-item.
+through isokit in rows of modes in which every two answers to two options meet, where the program
+takes both; with all threads, instructions, kinds of memory and types of samples the mesh must be
+the same. Then, unless `--quick`, each volume of the listed size goes through isokit once for each
+type of sample that holds its values, and, in its own type, through each peer, in a process of its
+own. Table and data go to scripts/results/DATE-CPU/stress, those of the small form to target/stress.
+Exit 1 if isokit fails an item.
 """
 
 import argparse

@@ -305,7 +305,7 @@ class MarschnerLobb(Smooth):
     depth, frequency = 0.25, 6.0
     # The crests of its waves lie flat: errors depend on where slices cut them. Normals beside them
     # have their order late: the cubic's from 256³ to 384³ 3.4, from 512³ to 768³ 4.1.
-    surface_rms, order_sizes = 1e-4, (192, 256, 384, 512, 768)
+    surface_rms, order_sizes = 1e-4, (384, 512, 640, 768)
 
     def slopes(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Density less its middle value."""

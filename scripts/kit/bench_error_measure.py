@@ -7,6 +7,7 @@ where none of those triangles is the nearest. Lengths are in units of which the 
 """
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -130,9 +131,7 @@ def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.nda
         part = slice(low, low + CHUNK)
         foot[part], normal[part] = field.nearest(points[part])
 
-    # numpy lets other threads go on while it works on arrays; nothing is timed meanwhile.
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(fill, range(0, len(points), CHUNK)))
+    in_threads(fill, range(0, len(points), CHUNK))
     if isinstance(field, Smooth):
         away = length(points - foot)
         doubtful = np.flatnonzero(~(away < DOUBTED))
@@ -143,6 +142,15 @@ def nearest(field: Field, points: np.ndarray, cloud: np.ndarray) -> tuple[np.nda
             foot[doubtful[better]] = other[better]
             normal[doubtful[better]] = other_normal[better]
     return foot, normal
+
+
+def in_threads(work: Callable[[int], None], starts: range) -> None:
+    """Does the work from each start: numpy lets other threads go on while it works on arrays.
+
+    Nothing is timed meanwhile.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(work, starts))
 
 
 def to_mesh(mesh: Mesh, points: np.ndarray) -> np.ndarray:
@@ -171,7 +179,8 @@ class Around:
         count = min(count, self.vertices.n)
         result = np.empty(len(points))
         step = max(CHUNK * NEAREST // (16 * count), 1)
-        for low in range(0, len(points), step):
+
+        def fill(low: int) -> None:
             part = points[low : low + step]
             near = self.vertices.query(part, count)[1].ravel()
             many = self.counts[near]
@@ -181,6 +190,8 @@ class Around:
             least = np.full(len(part), np.inf)
             np.minimum.at(least, owner, to_triangles(part[owner], *corners))
             result[low : low + len(part)] = least
+
+        in_threads(fill, range(0, len(points), step))
         return result
 
 

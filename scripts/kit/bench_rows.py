@@ -105,7 +105,9 @@ def real(bench: Bench, store: Store) -> None:
 
 
 def modes(bench: Bench, store: Store) -> None:
-    """What topology, placement and normals cost beside the plain way, on scans, and on all together."""
+    """What topology, placement, normals and diagonals cost beside the plain way, on scans, and on all
+    together.
+    """
     matching = {"gradient": "matching"}
     changes = (
         ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),
@@ -115,6 +117,7 @@ def modes(bench: Bench, store: Store) -> None:
         ("--placement quintic", {"placement": "quintic"}, False, {}),
         ("--placement quintic", {"placement": "quintic"}, True, {}),
         ("--placement quintic --normals matching", {"placement": "quintic"} | matching, True, {}),
+        ("--diagonals fitted", {"diagonals": "fitted"}, True, {}),
     )
     seconds: dict[int, list[list[list[float]]]] = {n: [] for n in range(len(changes))}
 

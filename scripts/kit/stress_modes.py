@@ -1,6 +1,6 @@
 """The modes of the program that the stress list asks for, and how few runs pair them all.
 
-A surface is said by five options. The other choices must not change a byte of it, so a mesh is
+A surface is said by six options. The other choices must not change a byte of it, so a mesh is
 compared with that of its plain mode and only the plain one is looked at. Standard library only.
 """
 
@@ -33,6 +33,7 @@ class Mode:
     normals: str = "gradient"
     boundary: str = "closed"
     degenerate: str = "never"
+    diagonals: str = "table"
     threads: str = "1"
     simd: str = "portable"
     memory: str = "whole"
@@ -44,7 +45,8 @@ class Mode:
     @property
     def plain(self) -> "Mode":
         """The mode that must give the same bytes."""
-        return Mode(self.topology, self.placement, self.normals, self.boundary, self.degenerate)
+        others = ("threads", "simd", "memory", "floats", "dtype")
+        return replace(self, **{name: getattr(PLAIN, name) for name in others})
 
     def __str__(self) -> str:
         """As a message names it."""
@@ -54,12 +56,23 @@ class Mode:
         """For the command line."""
         fixed = ["--nan", "outside", "--quiet"]
         memory = {"whole": [], "sliced": ["--max-memory", "512MiB"], "indexed": ["--index"]}
-        named = ("topology", "placement", "normals", "boundary", "degenerate", "threads")
-        chosen = [part for n in named for part in (f"--{n}", getattr(self, n))]
+        named = ("topology", "placement", "normals", "boundary", "degenerate", "diagonals")
+        chosen = [part for n in (*named, "threads") for part in (f"--{n}", getattr(self, n))]
         return fixed + memory[self.memory] + chosen
 
 
-LISTED = replace(Mode(), topology="trilinear", placement="quintic", threads="2", simd="")
+PLAIN = Mode()
+"""The first answer to each question."""
+
+APART = frozenset(
+    frozenset({("diagonals", "fitted"), other})
+    for other in (("memory", "sliced"), ("dtype", "integer"), ("dtype", "float"))
+)
+"""Answers that do not meet. Fitted diagonals need the whole mesh; and they follow normals, which are
+rounded otherwise in other types.
+"""
+
+LISTED = replace(PLAIN, topology="trilinear", placement="quintic", threads="2", simd="")
 """The mode for volumes of the listed size: the program's own choices."""
 
 
@@ -78,13 +91,14 @@ class Modes:
             "normals": ["gradient", "matching"],
             "boundary": ["closed", "open"],
             "degenerate": ["never", "exact"],
+            "diagonals": ["table", "fitted"],
             "threads": ["1", "2"],
             "simd": levels,
             "memory": ["whole", "sliced", "indexed"],
             "floats": ["usual", "flushed"] if self.library else ["usual"],
             "dtype": ["own", "integer", "float"],
         }
-        self.pairs = [Mode(**row) for row in pairwise(self.choices)]
+        self.pairs = [Mode(**row) for row in pairwise(self.choices, APART)]
 
     def program(self, mode: Mode) -> Isokit:
         """The program in the environment of a mode."""
@@ -117,27 +131,32 @@ def build(scratch: Path) -> Path:
     return library
 
 
-def pairwise(choices: dict[str, list[str]]) -> list[dict[str, str]]:
-    """Rows in which every two answers to two questions meet. Greedy, so a few more than needed."""
+Pair = frozenset[tuple[str, str]]
+"""Answers to two questions."""
+
+
+def pairwise(choices: dict[str, list[str]], apart: frozenset[Pair]) -> list[dict[str, str]]:
+    """Rows in which every two answers to two questions meet, but for those that are to stay apart.
+    Greedy, so a few more than needed. Each question needs an answer that meets all others.
+    """
     names = list(choices)
     left = {
         frozenset({(a, one), (b, other)})
         for a, b in combinations(names, 2)
         for one, other in product(choices[a], choices[b])
-    }
+    } - apart
     rows = []
     while left:
         row: dict[str, str] = dict(min(left, key=sorted))
         for name in names:
             if name not in row:
-                row[name] = max(
-                    choices[name], key=lambda answer: len(left & met(row | {name: answer}))
-                )
+                rest = [one for one in choices[name] if not met(row | {name: one}) & apart]
+                row[name] = max(rest, key=lambda answer: len(left & met(row | {name: answer})))
         left -= met(row)
         rows.append(row)
     return rows
 
 
-def met(row: dict[str, str]) -> set[frozenset]:
+def met(row: dict[str, str]) -> set[Pair]:
     """The pairs of answers in a row."""
     return {frozenset(pair) for pair in combinations(row.items(), 2)}

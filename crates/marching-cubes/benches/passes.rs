@@ -6,8 +6,8 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use isokit_job::{Job, Threads};
 use isokit_marching_cubes::{
-    Boundary, Budget, ExtractOptions, Gradient, Placement, Slabs, Source, Topology, count,
-    count_many, extract_into, extract_many, extract_slabs,
+    Boundary, Budget, Diagonals, ExtractOptions, Gradient, Placement, Slabs, Source, Topology,
+    count, count_many, extract_into, extract_many, extract_slabs,
 };
 use isokit_mesh::TriMesh;
 use isokit_volume::{Bricks, Grid, Slices, Volume};
@@ -106,6 +106,7 @@ fn choices(criterion: &mut Criterion) {
             ("plain", plain.clone()),
             ("closed", plain.clone().with_boundary(Boundary::Closed)),
             ("trilinear", plain.clone().with_topology(Topology::Trilinear)),
+            ("fitted", plain.clone().with_diagonals(Diagonals::Fitted)),
             ("cubic", plain.clone().with_placement(Placement::Cubic)),
             ("quintic", quintic.clone()),
             ("quintic, matching normals", quintic.clone().with_gradient(Gradient::Matching)),

@@ -4,7 +4,8 @@ use crate::{
     Contender, Failure,
     memory::{copy, fill, forget_the_most, in_use, read},
     protocol::{
-        Answer, Boundary, Extract, Gradient, Load, Nan, Placement, Request, Topology, timed,
+        Answer, Boundary, Diagonals, Extract, Gradient, Load, Nan, Placement, Request, Topology,
+        timed,
     },
 };
 use isokit_job::{Job, Threads};
@@ -209,12 +210,17 @@ fn options(request: &Extract) -> ExtractOptions {
         Topology::Table => mc::Topology::Table,
         Topology::Trilinear => mc::Topology::Trilinear,
     };
+    let diagonals = match request.diagonals {
+        Diagonals::Table => mc::Diagonals::Table,
+        Diagonals::Fitted => mc::Diagonals::Fitted,
+    };
     let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_nan(nan);
     let gradient = match request.gradient {
         Gradient::Central => mc::Gradient::Central,
         Gradient::Matching => mc::Gradient::Matching,
     };
-    options.with_placement(placement).with_gradient(gradient).with_topology(topology)
+    let options = options.with_placement(placement).with_gradient(gradient);
+    options.with_topology(topology).with_diagonals(diagonals)
 }
 
 fn counted(answer: Answer, Counts { vertices, triangles }: Counts) -> Answer {

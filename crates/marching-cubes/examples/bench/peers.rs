@@ -2,7 +2,7 @@
 
 use crate::{
     Contender, Failure,
-    protocol::{Answer, Extract, Load, Placement, Request, Topology, timed},
+    protocol::{Answer, Diagonals, Extract, Load, Placement, Request, Topology, timed},
 };
 use fast_surface_nets::{
     SurfaceNetsBuffer,
@@ -34,6 +34,9 @@ fn one_thread(request: Request) -> Result<Extract, Failure> {
         }
         Request::Extract(extract) if extract.topology != Topology::Table => {
             Err("a table's topology only".into())
+        }
+        Request::Extract(extract) if extract.diagonals != Diagonals::Table => {
+            Err("a table's diagonals only".into())
         }
         Request::Extract(extract) => Ok(extract),
         _ => Err("extracts only".into()),

@@ -67,6 +67,8 @@ pub(crate) struct Extract {
     pub(crate) gradient: Gradient,
     #[serde(default)]
     pub(crate) topology: Topology,
+    #[serde(default)]
+    pub(crate) diagonals: Diagonals,
     /// Whether the bricks are known; they are made off the clock.
     #[serde(default)]
     pub(crate) index: bool,
@@ -123,6 +125,15 @@ pub(crate) enum Topology {
     #[default]
     Table,
     Trilinear,
+}
+
+/// How the polygons of cells are cut into triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Diagonals {
+    #[default]
+    Table,
+    Fitted,
 }
 
 /// What was found. Absent is what the work has nothing of.
