@@ -26,6 +26,9 @@ WEIGHTS = np.array([9 / 40] + [(155 - ROOT) / 1200] * 3 + [(155 + ROOT) / 1200] 
 CHUNK = 1 << 17
 """Points that are worked on at a time."""
 
+MOST_THREADS = 16
+"""Each has arrays of its own, of some 60 MB."""
+
 NEAREST = 4
 """Vertices whose triangles are tried."""
 
@@ -149,7 +152,7 @@ def in_threads(work: Callable[[int], None], starts: range) -> None:
 
     Nothing is timed meanwhile.
     """
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, MOST_THREADS)) as pool:
         list(pool.map(work, starts))
 
 

@@ -105,9 +105,7 @@ def real(bench: Bench, store: Store) -> None:
 
 
 def modes(bench: Bench, store: Store) -> None:
-    """What topology, placement, normals and diagonals cost beside the plain way, on scans, and on all
-    together.
-    """
+    """What topology, placement, normals and diagonals cost, on scans and on all together."""
     matching = {"gradient": "matching"}
     changes = (
         ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),

@@ -1,7 +1,8 @@
 //! Which way to cut polygons into triangles, sixteen polygons at a time.
 //!
 //! Of each the ways to cut it are weighed by how much normals turn along their diagonals, and those are left out of which a
-//! triangle looks away. There is one text for all levels, and no fused multiply-add, so the choice is the same.
+//! triangle looks away. There is one text for all levels, and no fused multiply-add, so the choice is the same. Corners are gathered in one
+//! of two ways, with the same subtraction.
 
 use crate::{
     Level,
@@ -11,8 +12,6 @@ use crate::{
 mod gather;
 #[cfg(test)]
 mod tests;
-
-pub use gather::Place;
 
 /// Polygons that are looked at together.
 pub const POLYGONS: usize = BATCH;
@@ -39,7 +38,7 @@ pub struct Polygons<const N: usize> {
     pub normals: [[[f32; POLYGONS]; 3]; N],
 }
 
-/// Of each polygon a bit for each way that it may not be cut in, the first of 32 the highest.
+/// Ways that polygons may not be cut in: way `w` of polygon `p` is bit `31 - w % 32` of number `[w / 32][p]`.
 pub type Forbidden = [[u32; POLYGONS]; 2];
 
 /// A way to cut a polygon of `N` corners.
@@ -135,7 +134,7 @@ impl<const N: usize> Polygons<N> {
 /// The share of N times the squares of all distances from the first corner that is surely more than rounding.
 const LEAST: f32 = 1.0 / 65536.0;
 
-/// What is to choose from.
+/// What there is to choose from.
 struct Choice<'a, const N: usize> {
     polygons: &'a Polygons<N>,
     ways: &'a [Way],

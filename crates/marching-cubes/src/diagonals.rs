@@ -13,7 +13,7 @@
 //!
 //! It is a pass of its own over the whole surface: the normals of a cell's upper corners are made with the next slice, which may
 //! be another thread's, or another piece. Until then the cases of the cells are kept, a byte for each, but for special
-//! ones, which are not cut anew. Polygons of as many corners are weighed sixteen at a time ([`isokit_lanes::Polygons`]).
+//! ones, which are not cut anew. Polygons with equally many corners are weighed sixteen at a time ([`isokit_lanes::Polygons`]).
 //!
 //! Tried, on a ball, a ring, a tube, a saddle, waves and a gyroid of 40³ and 48³ samples, November 2026: the least error over the
 //! area of the triangles, from all their sides, comes nearer by a hundredth; the shortest diagonals gain a third to two thirds
@@ -30,7 +30,7 @@ use crate::{
     winding::Winding,
 };
 use isokit_job::{Cancelled, Job};
-use isokit_lanes::{CORNERS, Forbidden, POLYGONS, Place, Polygons, exactly};
+use isokit_lanes::{CORNERS, Coordinate, Forbidden, POLYGONS, Polygons, exactly};
 use isokit_mesh::{MeshSink, Piece, PositionsMut};
 use rayon::prelude::*;
 use std::{
@@ -115,10 +115,10 @@ const SHARE: usize = 1 << 14;
 const CELLS: usize = 1 << 12;
 
 /// Triangles that a case has at most: a row of the table has room for no more.
-const MOST: usize = 5;
+const MOST_TRIANGLES: usize = 5;
 
-fn fit<P: Place>(
-    vertices: &Vertices<'_, P>,
+fn fit<C: Coordinate + Sync>(
+    vertices: &Vertices<'_, C>,
     (mut triangles, winding): (&mut [[u32; 3]], Winding),
     runs: &[Run],
     (slices, job): (u64, &Job),
@@ -158,14 +158,14 @@ fn fit<P: Place>(
 }
 
 /// What the choice depends on.
-struct Vertices<'a, P> {
-    positions: &'a [[P; 3]],
+struct Vertices<'a, C> {
+    positions: &'a [[C; 3]],
     normals: &'a [[f32; 3]],
 }
 
 /// A polygon of a cell.
 #[derive(Clone, Copy)]
-struct Found {
+struct Occurrence {
     /// Its number among those of all cases.
     polygon: u16,
     /// The number of its first triangle among those of the cells that are sorted together.
@@ -175,19 +175,19 @@ struct Found {
 /// The polygons of some cells, by the number of their corners.
 #[derive(Default)]
 struct Sorted {
-    of: [Vec<Found>; CORNERS + 1],
+    of: [Vec<Occurrence>; CORNERS + 1],
 }
 
 impl Sorted {
     /// Adds those of cells, [`CELLS`] at most. How many triangles the cells have.
     fn add(&mut self, cases: &[u8]) -> usize {
-        const { assert!(CELLS * MOST <= 1 << 16, "numbers of 16 bits") };
+        const { assert!(CELLS * MOST_TRIANGLES <= 1 << 16, "numbers of 16 bits") };
         let (polygons, mut at) = (&*OF_CASES, 0);
         for &case in cases {
             for number in polygons.of(case) {
                 let polygon = polygons.get(number);
                 let first = (at + polygon.first) as u16;
-                self.of[polygon.corners].push(Found { polygon: number, first });
+                self.of[polygon.corners].push(Occurrence { polygon: number, first });
             }
             at += usize::from(COUNTS[usize::from(case)]);
         }
@@ -195,25 +195,29 @@ impl Sorted {
     }
 
     /// Cuts all, of which these are the triangles, and forgets them.
-    fn cut<P: Place>(&mut self, triangles: &mut [[u32; 3]], surface: (&Vertices<'_, P>, bool)) {
-        self.cut_some::<4, P>(triangles, surface);
-        self.cut_some::<5, P>(triangles, surface);
-        self.cut_some::<6, P>(triangles, surface);
-        self.cut_some::<CORNERS, P>(triangles, surface);
-    }
-
-    fn cut_some<const N: usize, P: Place>(
+    fn cut<C: Coordinate + Sync>(
         &mut self,
         triangles: &mut [[u32; 3]],
-        (vertices, turned): (&Vertices<'_, P>, bool),
+        surface: (&Vertices<'_, C>, bool),
+    ) {
+        self.cut_some::<4, C>(triangles, surface);
+        self.cut_some::<5, C>(triangles, surface);
+        self.cut_some::<6, C>(triangles, surface);
+        self.cut_some::<CORNERS, C>(triangles, surface);
+    }
+
+    fn cut_some<const N: usize, C: Coordinate>(
+        &mut self,
+        triangles: &mut [[u32; 3]],
+        (vertices, turned): (&Vertices<'_, C>, bool),
     ) {
         if self.of[N].is_empty() {
             return;
         }
         let (polygons, mut batch) = (&*OF_CASES, Batch::<N>::default());
         for some in self.of[N].chunks(POLYGONS) {
-            for (n, found) in some.iter().enumerate() {
-                let (polygon, first) = (polygons.get(found.polygon), found.first.into());
+            for (n, one) in some.iter().enumerate() {
+                let (polygon, first) = (polygons.get(one.polygon), one.first.into());
                 batch.put(n, polygon, first, (triangles, turned));
             }
             batch.polygons.gather(&batch.corners, (vertices.positions, vertices.normals));

@@ -1,40 +1,9 @@
 //! Places and normals of corners, from where the vertices of a surface are, side by side.
 
 use super::{POLYGONS, Polygons};
-use crate::Level;
+use crate::{Coordinate, Level};
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
-
-/// A coordinate as a surface keeps it: `f32` or `f64`.
-pub trait Place: Copy + Sync {
-    /// How far it is from another one, rounded to f32.
-    fn from(self, other: Self) -> f32;
-
-    /// Themselves, if they are f32.
-    fn as_f32(places: &[[Self; 3]]) -> Option<&[[f32; 3]]>;
-}
-
-impl Place for f32 {
-    #[inline(always)]
-    fn from(self, other: Self) -> f32 {
-        self - other
-    }
-
-    fn as_f32(places: &[[Self; 3]]) -> Option<&[[f32; 3]]> {
-        Some(places)
-    }
-}
-
-impl Place for f64 {
-    #[inline(always)]
-    fn from(self, other: Self) -> f32 {
-        (self - other) as f32
-    }
-
-    fn as_f32(_: &[[Self; 3]]) -> Option<&[[f32; 3]]> {
-        None
-    }
-}
 
 impl<const N: usize> Polygons<N> {
     /// Takes over the vertices that are the corners of each polygon, whose numbers are given corner by corner.
@@ -42,25 +11,26 @@ impl<const N: usize> Polygons<N> {
     /// # Panics
     ///
     /// If there is no place or no normal of such a number.
-    pub fn gather<P: Place>(
+    pub fn gather<C: Coordinate>(
         &mut self,
         corners: &[[u32; POLYGONS]; N],
-        (places, normals): (&[[P; 3]], &[[f32; 3]]),
+        (places, normals): (&[[C; 3]], &[[f32; 3]]),
     ) {
         self.gather_at(Level::current(), corners, (places, normals));
     }
 
-    pub(super) fn gather_at<P: Place>(
+    pub(super) fn gather_at<C: Coordinate>(
         &mut self,
         level: Level,
         corners: &[[u32; POLYGONS]; N],
-        (places, normals): (&[[P; 3]], &[[f32; 3]]),
+        (places, normals): (&[[C; 3]], &[[f32; 3]]),
     ) {
-        match (level, P::as_f32(places)) {
+        match (level, C::as_f32(places)) {
             #[cfg(target_arch = "x86_64")]
             (Level::Avx512 | Level::Avx2, Some(places)) => {
                 level.assert_available();
-                // SAFETY: the machine has the level, and with it what the lower one has.
+                // SAFETY: the machine has the level, asserted above, and with it what the lower one has; the function asks
+                // nothing else.
                 if unsafe { self.gather_by_four(corners, (places, normals)) } {
                     return;
                 }
@@ -72,7 +42,7 @@ impl<const N: usize> Polygons<N> {
                 let origin = places[corners[0][n] as usize];
                 let (place, normal) = (places[vertex as usize], normals[vertex as usize]);
                 for k in 0..3 {
-                    self.places[corner][k][n] = place[k].from(origin[k]);
+                    self.places[corner][k][n] = place[k].offset_from(origin[k]);
                     self.normals[corner][k][n] = normal[k];
                 }
             }
@@ -80,8 +50,8 @@ impl<const N: usize> Polygons<N> {
     }
 
     /// Four polygons at a time: a load has the three numbers of a vertex and the next one's first, and four of them are
-    /// transposed. That takes a third of the instructions of numbers one by one. Not so, and false, where the last vertex
-    /// of all is a corner, or one that is not there.
+    /// transposed. That takes a third of the instructions of numbers one by one. Returns false, and does nothing, where a
+    /// corner is the last vertex of all, or is not there.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
     fn gather_by_four(

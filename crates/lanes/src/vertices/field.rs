@@ -6,6 +6,12 @@ use crate::wide::{BATCH, Wide};
 pub trait Coordinate: Copy + Default + Send + sealed::Write {
     /// The coordinate nearest to a value.
     fn round(value: f64) -> Self;
+
+    /// How far it is from another one, rounded to f32.
+    fn offset_from(self, other: Self) -> f32;
+
+    /// The places themselves, if their coordinates are f32.
+    fn as_f32(places: &[[Self; 3]]) -> Option<&[[f32; 3]]>;
 }
 
 mod sealed {
@@ -22,6 +28,15 @@ impl Coordinate for f32 {
     fn round(value: f64) -> Self {
         value as f32
     }
+
+    #[inline(always)]
+    fn offset_from(self, other: Self) -> f32 {
+        self - other
+    }
+
+    fn as_f32(places: &[[Self; 3]]) -> Option<&[[f32; 3]]> {
+        Some(places)
+    }
 }
 
 impl sealed::Write for f32 {
@@ -35,6 +50,15 @@ impl Coordinate for f64 {
     #[inline(always)]
     fn round(value: f64) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn offset_from(self, other: Self) -> f32 {
+        (self - other) as f32
+    }
+
+    fn as_f32(_: &[[Self; 3]]) -> Option<&[[f32; 3]]> {
+        None
     }
 }
 

@@ -1,7 +1,7 @@
 //! The cases of crossed cells, one after the other.
 
 use super::Word;
-use crate::{Level, WORD};
+use crate::Level;
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
@@ -61,7 +61,7 @@ fn add_cases_avx2(words: &[Word], out: &mut Vec<u8>) {
         let [near, far] =
             unsafe { [&parts[0], &parts[1]].map(|part| _mm256_loadu_si256(part.as_ptr().cast())) };
         let mut active = word.active;
-        out.reserve(WORD);
+        out.reserve(active.count_ones() as usize);
         while active != 0 {
             let up = _mm_cvtsi32_si128(63 - active.trailing_zeros() as i32);
             active &= active - 1;

@@ -59,7 +59,7 @@ impl Polygons {
         self.first[usize::from(case)]..self.first[usize::from(case) + 1]
     }
 
-    /// Number so much of all.
+    /// The polygon of a number.
     #[inline(always)]
     pub(crate) fn get(&self, number: u16) -> &Polygon {
         &self.all[usize::from(number)]
