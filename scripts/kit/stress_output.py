@@ -143,9 +143,10 @@ def settings(facts: dict, tools: list[str]) -> Iterable[str]:
         f"- isokit: `--nan outside`; small volumes in {len(facts['rows'])} rows of modes in which "
         "every two of these meet, but *fitted* with *sliced*, *integer* and *float*; each compared "
         f"with one thread, portable, whole, usual, own: {facts['modes']}. *sliced* is "
-        "`--max-memory 512MiB`, *indexed* `--index`; *flushed* runs with a library that has denormal numbers taken for 0; *integer* and *float* are other "
-        "types that hold the values, where there are some. If *exact*, *flat* and *double* are "
-        "not counted, and *volume* is not looked at."
+        "`--max-memory 512MiB`, *indexed* `--index`; *flushed* runs with a library that has "
+        "denormal numbers taken for 0; *integer* and *float* are other types that hold the values, "
+        "where there are some. If *exact*, *flat* and *double* are not counted, and *volume* is "
+        "not looked at."
     )
     if not facts["quick"]:
         yield (
