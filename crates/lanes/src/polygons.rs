@@ -1,8 +1,8 @@
 //! Which way to cut polygons into triangles, sixteen polygons at a time.
 //!
 //! Of each the ways to cut it are weighed by how much normals turn along their diagonals, and those are left out of which a
-//! triangle looks away. There is one text for all levels, and no fused multiply-add, so the choice is the same. Corners are gathered in one
-//! of two ways, with the same subtraction.
+//! triangle looks away. The choice has one text for all levels, and no fused multiply-add, so it is the same. Corners are
+//! gathered in one of two ways, with the same subtraction.
 
 use crate::{
     Level,

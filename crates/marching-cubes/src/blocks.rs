@@ -20,7 +20,6 @@ use crate::{
     diagonals::Cases,
     extract::{on_threads, passes, precision},
     slabs::{Held, Making, Surface, check},
-    winding::Winding,
 };
 use isokit_job::Job;
 use isokit_lanes::exactly;
@@ -84,8 +83,7 @@ pub fn extract_sparse<T: Sample, S: MeshSink<Error: Send> + Send>(
         sink.piece(counts, precision).map_err(ExtractError::Sink)?;
     }
     if let Some(cases) = cases {
-        let all = (Winding::of(&grid.frame), grid.dims()[2]);
-        on_threads(job, || cases.fit(sink, all, job))?;
+        on_threads(job, || cases.fit(sink, &grid, job))?;
     }
     let all: u64 = blocks.counts.iter().map(|&n| n as u64).product();
     let skipped = Skipped {

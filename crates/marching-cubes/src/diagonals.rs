@@ -32,6 +32,7 @@ use crate::{
 use isokit_job::{Cancelled, Job};
 use isokit_lanes::{CORNERS, Coordinate, Forbidden, POLYGONS, Polygons, exactly};
 use isokit_mesh::{MeshSink, Piece, PositionsMut};
+use isokit_volume::Grid;
 use rayon::prelude::*;
 use std::{
     mem,
@@ -77,11 +78,12 @@ impl Cases {
         self.lock().clear();
     }
 
-    /// Cuts all polygons of the surface that the sink holds anew. Progress advances by the slices of the volume.
+    /// Cuts all polygons of the surface that the sink holds anew. Progress advances by the slices of the volume, whose
+    /// lattice is `grid`.
     pub(crate) fn fit<S: MeshSink>(
         &self,
         sink: &mut S,
-        (winding, slices): (Winding, u64),
+        grid: &Grid,
         job: &Job,
     ) -> Result<(), ExtractError<S::Error>> {
         let mut runs = mem::take(&mut *self.lock());
@@ -90,7 +92,7 @@ impl Cases {
             return Err(ExtractError::Unfitted { is_kept: false });
         };
         let normals = &*normals;
-        let triangles = (triangles, winding);
+        let (triangles, slices) = ((triangles, Winding::of(&grid.frame)), grid.dims()[2]);
         match positions {
             PositionsMut::F32(positions) => {
                 fit(&Vertices { positions, normals }, triangles, &runs, (slices, job))?;

@@ -146,8 +146,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
                     job,
                 )?;
             }
-            let all = (Winding::of(view.frame()), view.dims()[2] as u64);
-            cases.map_or(Ok(()), |cases| cases.fit(sink, all, job))?;
+            cases.map_or(Ok(()), |cases| cases.fit(sink, &view.grid(), job))?;
             Ok(Extracted { counts, precision, margin, singular_cells, skipped })
         };
         surfaces.map(extract).collect()
@@ -202,7 +201,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     // The memory is there.
     job.limits.allow("surface", bytes(counts, precision, (sink, cases)), 1)?;
     sink.piece(counts, precision).map_err(ExtractError::Sink)?;
-    cases.map_or(Ok(()), |cases| cases.fit(sink, (sweep.winding, slices), job))?;
+    cases.map_or(Ok(()), |cases| cases.fit(sink, &view.grid(), job))?;
     let samples_read = view.dims().iter().map(|&n| n as u64).product();
     let skipped = Skipped { samples_read, ..Skipped::default() };
     Ok(ControlFlow::Break(Extracted { counts, precision, margin, singular_cells, skipped }))

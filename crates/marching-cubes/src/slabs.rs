@@ -106,8 +106,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
             sinks.sink(n).piece(counts, precision).map_err(ExtractError::Sink)?;
         }
         if let Some(cases) = cases {
-            let all = (Winding::of(&grid.frame), grid.dims()[2]);
-            on_threads(job, || cases.fit(&mut sinks.sink(n), all, job))?;
+            on_threads(job, || cases.fit(&mut sinks.sink(n), &grid, job))?;
         }
         found.push(Extracted { counts, precision, margin, singular_cells, skipped });
     }

@@ -50,8 +50,7 @@ impl<const N: usize> Polygons<N> {
     }
 
     /// Four polygons at a time: a load has the three numbers of a vertex and the next one's first, and four of them are
-    /// transposed. That takes a third of the instructions of numbers one by one. Returns false, and does nothing, where a
-    /// corner is the last vertex of all, or is not there.
+    /// transposed. Returns false, and does nothing, where a corner is the last vertex of all, or is not there.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
     fn gather_by_four(
