@@ -44,15 +44,21 @@ fn count_groups<P: Pack>(
     while let Some(group) = groups.next() {
         let counts = counts(&group);
         let counts = counts.as_ref();
-        let mask = if bits.has_cells(group.place(0)[0]) { u64::MAX } else { u64::MAX >> 16 };
-        let mut n = 0;
-        while n < P::WORDS {
-            let [row, w] = group.place(n);
-            let Some(out) = out.get_mut(row - rows.start) else { break };
-            // So few words fill no 16 bits.
-            let end = (n + bits.words() - w).min(P::WORDS);
-            out.unpack(counts[n..end].iter().sum::<u64>() & mask);
-            n = end;
+        let [row, first] = group.place(0);
+        let mask = if bits.has_cells(row) { u64::MAX } else { u64::MAX >> 16 };
+        // So few words fill no 16 bits.
+        let sum = |some: Range<usize>| counts[some].iter().sum::<u64>() & mask;
+        if first + P::WORDS <= bits.words() {
+            out[row - rows.start].unpack(sum(0..P::WORDS));
+        } else {
+            let mut n = 0;
+            while n < P::WORDS {
+                let [row, w] = group.place(n);
+                let Some(out) = out.get_mut(row - rows.start) else { break };
+                let end = (n + bits.words() - w).min(P::WORDS);
+                out.unpack(sum(n..end));
+                n = end;
+            }
         }
         if let Some(open) = &mut open {
             group.push_open_words(open);

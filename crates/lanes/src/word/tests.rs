@@ -111,6 +111,24 @@ fn words_agree_with_the_definition_across_words_and_rows() {
 }
 
 #[test]
+fn one_odd_point_is_seen_wherever_it_is() {
+    for points in [1_usize, 63, 64, 65, 200, 256, 300, 520] {
+        let (rows, words) = (3, points.div_ceil(64));
+        let places = (0..points).filter(|i| [0, 1, 63].contains(&(i % 64)) || i + 1 == points);
+        let places = places.flat_map(|i| (0..2 * rows).map(move |row| (i, row)));
+        for ((i, row), is_inside) in places.flat_map(|place| [(place, false), (place, true)]) {
+            let tail = u64::MAX >> (64 * words - points);
+            let of_row = |w: usize| if w + 1 == words { tail } else { u64::MAX };
+            let all = (0..2 * rows * words).map(|n| if is_inside { 0 } else { of_row(n % words) });
+            let mut all: Vec<u64> = all.collect();
+            all[row * words + i / 64] ^= 1 << (i % 64);
+            let (low, high) = all.split_at(rows * words);
+            check(low, Some(high), points);
+        }
+    }
+}
+
+#[test]
 fn open_words_are_those_with_a_cell_of_a_code_that_leaves_something_open() {
     // Both the inside and the outside hang together along edges, or the code is open.
     let is_open = |code: usize| {

@@ -96,11 +96,7 @@ impl<P: Pack> Group<P> {
     /// Row and place in it of word `n`.
     #[inline(always)]
     pub(crate) fn place(&self, n: usize) -> [usize; 2] {
-        let [mut row, mut w] = [self.place[0], self.place[1] + n];
-        while w >= self.words {
-            (row, w) = (row + 1, w - self.words);
-        }
-        [row, w]
+        forward(self.place, n, self.words)
     }
 
     /// The corners of each word.
@@ -164,6 +160,16 @@ impl<P: Pack> Group<P> {
             }
         }
     }
+}
+
+/// Row and place in it of the word that lies so many words after one, in rows of `words`.
+#[inline(always)]
+fn forward([mut row, mut w]: [usize; 2], by: usize, words: usize) -> [usize; 2] {
+    w += by;
+    while w >= words {
+        (row, w) = (row + 1, w - words);
+    }
+    [row, w]
 }
 
 /// The places of the bits that are set.
@@ -251,11 +257,18 @@ impl<'a, P: Pack> Groups<'a, P> {
             if self.at >= self.wanted && !self.take_rows() {
                 return None;
             }
-            let group = self.group();
+            let (at, place) = (self.at, self.place);
             self.at += P::WORDS;
-            self.place = group.place(P::WORDS);
-            if group.found != 0 {
-                return Some(group);
+            self.place = forward(place, P::WORDS, self.bits.words());
+            let (low, high) = self.corners(at);
+            let ([a, b, c, d], [a1, b1, c1, d1]) = (low, high);
+            // Corners unlike the first; where a row ends, some that are none.
+            let unlike = (a ^ a1) | (a ^ b) | (a ^ c) | (a ^ d) | (a ^ b1) | (a ^ c1) | (a ^ d1);
+            if unlike.found() != 0 {
+                let group = self.group((low, high), unlike, place);
+                if group.found != 0 {
+                    return Some(group);
+                }
             }
         }
     }
@@ -276,13 +289,13 @@ impl<'a, P: Pack> Groups<'a, P> {
 
     /// The corners at low x, and at high x.
     #[inline(always)]
-    fn corners(&self) -> ([P; 4], [P; 4]) {
+    fn corners(&self, at: usize) -> ([P; 4], [P; 4]) {
         let [every, _] = self.cells;
         let (mut low, mut high) = ([every; 4], [every; 4]);
-        if self.at + P::WORDS < self.wanted {
+        if at + P::WORDS < self.wanted {
             for (n, row) in self.flat.iter().enumerate() {
                 debug_assert!(row.len() >= self.wanted, "as many as are wanted");
-                let words = row.as_ptr().wrapping_add(self.at);
+                let words = row.as_ptr().wrapping_add(at);
                 // SAFETY: who made this said that the machine has the instructions. Each list has as many words
                 // as are wanted, of which one more than a pack are left.
                 let next = unsafe { P::load_all(words.wrapping_add(1)) };
@@ -294,31 +307,27 @@ impl<'a, P: Pack> Groups<'a, P> {
         }
         for (n, row) in self.flat.iter().enumerate() {
             // SAFETY: as above.
-            let next = unsafe { P::load(&row[self.at + 1..]) };
+            let next = unsafe { P::load(&row[at + 1..]) };
             // SAFETY: as above.
-            low[n] = unsafe { P::load(&row[self.at..self.wanted]) };
+            low[n] = unsafe { P::load(&row[at..self.wanted]) };
             high[n] = low[n].shifted_in(next);
         }
         (low, high)
     }
 
     #[inline(always)]
-    fn group(&self) -> Group<P> {
+    fn group(&self, (low, high): ([P; 4], [P; 4]), unlike: P, place: [usize; 2]) -> Group<P> {
         let words = self.bits.words();
         let last_of_row = match words < 8 {
-            true => LAST_OF_ROW[words][self.place[1]],
-            false => (1_u64 << (words - 1 - self.place[1]).min(63)) as u8,
+            true => LAST_OF_ROW[words][place[1]],
+            false => (1_u64 << (words - 1 - place[1]).min(63)) as u8,
         };
         let [every, last] = self.cells;
         let cells = last.at(last_of_row);
-        let (low, high) = self.corners();
-        let ([a, b, c, d], [a1, b1, c1, d1]) = (low, high);
-        let (x, y, z) = ((a ^ a1) & cells, a ^ b, a ^ c);
-        // Cells with corners unlike the first.
-        let crossed = (x | y | z | (a ^ d) | (a ^ b1) | (a ^ c1) | (a ^ d1)) & cells;
-        let active = if self.has_cells { crossed } else { !every };
+        let (x, y, z) = ((low[0] ^ high[0]) & cells, low[0] ^ low[1], low[0] ^ low[2]);
+        let active = if self.has_cells { unlike & cells } else { !every };
         let found = (active | x | y | z).found();
-        Group { low, high, cells, active, found, place: self.place, words }
+        Group { low, high, cells, active, found, place, words }
     }
 }
 
