@@ -63,7 +63,10 @@ impl<'a, T: Sample> Values<'a, T> {
         let value = |stored: T| scaling.value(stored.to_f64()) * self.scale - self.iso * self.scale;
         if (0..3).all(|axis| low[axis].wrapping_add(1) < dims[axis] && low[axis] < dims[axis]) {
             let values = self.view.cell(low).map(value);
-            let known = values.iter().rev().fold(0, |all, v| all << 1 | u8::from(v.is_finite()));
+            let known = match self.unit.is_known() {
+                true => u8::MAX,
+                false => values.iter().rev().fold(0, |all, v| all << 1 | u8::from(v.is_finite())),
+            };
             return Cell { code, known, values, unit: self.unit };
         }
         let mut cell = Cell { code, known: 0, values: [0.0; 8], unit: self.unit };
@@ -127,19 +130,21 @@ impl Cell {
     /// The same with slices across a given axis.
     pub(super) fn verdict_along(&self, axis: usize) -> Verdict {
         let mut verdict = Verdict { joined: 0, tunnel: None, is_singular: false };
-        let short = self.unit.short(self.values);
-        let mut rest = AMBIGUOUS[usize::from(self.code)];
+        let faces = AMBIGUOUS[usize::from(self.code)];
+        let mut rest = faces;
         while rest != 0 {
             let face = rest.trailing_zeros() as u8;
             rest &= rest - 1;
-            let saddle = self.saddle(Face::new(face), short);
+            let saddle = self.saddle(Face::new(face));
             verdict.joined |= u8::from(saddle != Ordering::Less) << face;
             verdict.is_singular |= saddle == Ordering::Equal;
         }
         let row = self.resolved(verdict.joined);
+        // Two corners of a face, all others on the other side, are joined across it or not at all.
+        let are_two_of_a_face = faces != 0 && matches!(self.code.count_ones(), 2 | 6);
         // Where some corner has no finite value nothing is joined in the interior.
-        if row.discs.len() > 1 && self.known == u8::MAX {
-            self.look_inside(axis, row, short, &mut verdict);
+        if row.discs.len() > 1 && !are_two_of_a_face && self.known == u8::MAX {
+            self.look_inside(axis, row, &mut verdict);
         }
         verdict
     }
@@ -148,7 +153,7 @@ impl Cell {
     ///
     /// A corner that is outside without a finite value is infinitely low, and keeps the inside apart;
     /// where there is none, one inside that is infinite joins it.
-    fn saddle(&self, face: Face, short: Option<[i64; 8]>) -> Ordering {
+    fn saddle(&self, face: Face) -> Ordering {
         let mut corners = face.corners().map(|k| k.index());
         if !self.is_inside(corners[0]) {
             corners.rotate_left(1);
@@ -161,17 +166,12 @@ impl Cell {
         if !(is_known(a) && is_known(c)) {
             return Ordering::Greater;
         }
-        let short = short.map(|short| corners.map(|k| short[k]));
-        ask(&Saddle, corners.map(|k| self.values[k]), short)
+        let values = corners.map(|k| self.values[k]);
+        ask(&Saddle, values, self.unit.short(values))
     }
 
-    fn look_inside(
-        &self,
-        axis: usize,
-        row: &Resolved,
-        short: Option<[i64; 8]>,
-        verdict: &mut Verdict,
-    ) {
+    fn look_inside(&self, axis: usize, row: &Resolved, verdict: &mut Verdict) {
+        let short = self.unit.short(self.values);
         let Some(body) = ask(&Interior { axis }, self.values, short) else { return };
         verdict.is_singular |= body.value == Ordering::Equal;
         let low = around(axis);

@@ -52,6 +52,12 @@ impl Unit {
         Self(is_small.then(|| [1.0, 2.0].into_iter().find(is_whole)).flatten())
     }
 
+    /// Whether all values are small whole multiples, and so finite.
+    #[inline(always)]
+    pub(super) fn is_known(self) -> bool {
+        self.0.is_some()
+    }
+
     /// The values in this unit, where they are short.
     #[inline(always)]
     pub(super) fn short<const N: usize>(self, values: [f64; N]) -> Option<[i64; N]> {

@@ -1,7 +1,7 @@
 //! Verdicts against a fine lattice, against each other along the three axes, and under the symmetries.
 
 use super::{Cell, Unit, Verdict};
-use crate::trilinear::table::{derive::codes, is_simple};
+use crate::trilinear::table::{AMBIGUOUS, derive::codes, is_simple};
 use std::collections::BTreeSet;
 
 struct Chance(u64);
@@ -136,6 +136,37 @@ fn the_three_axes_agree() {
         singular += usize::from(told[0].2);
     }
     assert!(tunnels > 100 && singular > 100, "{tunnels} tunnels, {singular} singular cells");
+}
+
+#[test]
+fn a_look_inside_adds_nothing_where_two_corners_of_a_face_are_alone() {
+    let mut random = Chance(13);
+    let alone =
+        |code: &u8| matches!(code.count_ones(), 2 | 6) && AMBIGUOUS[usize::from(*code)] != 0;
+    let codes: Vec<u8> = codes().filter(alone).collect();
+    assert_eq!(codes.len(), 24, "two for each diagonal of a face");
+    let (mut apart, mut singular) = (0, 0);
+    for n in 0..200_000 {
+        let code = codes[n / 2 % codes.len()];
+        let cell = match n % 2 {
+            0 => with_code(&mut random, code),
+            // Many ties.
+            _ => cell(std::array::from_fn(|k| match code >> k & 1 {
+                1 => random.below(4) as f64,
+                _ => -1.0 - random.below(4) as f64,
+            })),
+        };
+        let verdict = cell.verdict();
+        assert_eq!(verdict.tunnel, None, "{cell:?}");
+        for axis in 0..3 {
+            let mut looked = verdict;
+            cell.look_inside(axis, cell.resolved(verdict.joined), &mut looked);
+            assert_eq!(looked, verdict, "{cell:?}, axis {axis}");
+        }
+        apart += usize::from(cell.resolved(verdict.joined).discs.len() > 1);
+        singular += usize::from(verdict.is_singular);
+    }
+    assert!(apart > 10_000 && singular > 1000, "{apart} kept apart, {singular} singular");
 }
 
 #[test]
