@@ -84,6 +84,8 @@ def main() -> int:
     bench = Bench(arguments.rounds or (3 if arguments.quick else 7), arguments.quick, absent)
     for name, reason in absent.items():
         print(f"absent {name}: {reason}")
+    if arguments.scratch:
+        arguments.scratch.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=arguments.scratch) as scratch:
         store = Store(Path(scratch), arguments.data)
         for name in arguments.only or ROWS:

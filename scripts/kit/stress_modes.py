@@ -64,13 +64,13 @@ class Mode:
 PLAIN = Mode()
 """The first answer to each question."""
 
-APART = frozenset(
-    frozenset({("diagonals", "fitted"), other})
-    for other in (("memory", "sliced"), ("dtype", "integer"), ("dtype", "float"))
-)
-"""Answers that do not meet. Fitted diagonals need the whole mesh; and they follow normals, which are
+NOT_FITTED = (("memory", "sliced"), ("dtype", "integer"), ("dtype", "float"))
+"""What fitted diagonals do not meet: they need the whole mesh, and they follow normals, which are
 rounded otherwise in other types.
 """
+
+APART = frozenset(frozenset({("diagonals", "fitted"), other}) for other in NOT_FITTED)
+"""Answers that do not meet."""
 
 LISTED = replace(PLAIN, topology="trilinear", placement="quintic", threads="2", simd="")
 """The mode for volumes of the listed size: the program's own choices."""

@@ -8,6 +8,7 @@ from kit.bench_peers import PEERS as MEASURED
 from kit.data import as_json
 from kit.stress_case import ITEMS
 from kit.stress_check import AREAS, CRITERIA
+from kit.stress_modes import NOT_FITTED
 from kit.stress_peers import MEMORY, PEERS
 
 PACKAGES = {name: MEASURED[name].packages for name in PEERS}
@@ -139,10 +140,11 @@ def table(facts: dict, results: Results, absent: dict[str, str]) -> str:
 
 def settings(facts: dict, tools: list[str]) -> Iterable[str]:
     """What each tool was told."""
+    *apart, last_apart = (f"*{answer}*" for _, answer in NOT_FITTED)
     yield (
         f"- isokit: `--nan outside`; small volumes in {len(facts['rows'])} rows of modes in which "
-        "every two of these meet, but *fitted* with *sliced*, *integer* and *float*; each compared "
-        f"with one thread, portable, whole, usual, own: {facts['modes']}. *sliced* is "
+        f"every two of these meet, but *fitted* with {', '.join(apart)} and {last_apart}; each "
+        f"compared with one thread, portable, whole, usual, own: {facts['modes']}. *sliced* is "
         "`--max-memory 512MiB`, *indexed* `--index`; *flushed* runs with a library that has "
         "denormal numbers taken for 0; *integer* and *float* are other types that hold the values, "
         "where there are some. If *exact*, *flat* and *double* are not counted, and *volume* is "

@@ -125,9 +125,9 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             }
         }
         let (planes, skipped) = classified(&source, isos, passes(options), options, job)?;
-        let surfaces = planes.into_iter().zip(isos).zip(sinks.iter_mut().zip(&cases));
-        let extract = |((mut planes, &iso), (sink, cases)): ((Planes, &f64), (&mut S, &_))| {
-            let cases: Option<&Cases> = Option::as_ref(cases);
+        let cases = cases.iter().map(Option::as_ref);
+        let surfaces = planes.into_iter().zip(isos).zip(sinks.iter_mut().zip(cases));
+        let extract = |((mut planes, &iso), (sink, cases)): ((Planes, &f64), (&mut S, _))| {
             let values = Values::new(*view, iso, planes.lattice.guard);
             let layout = layout(&mut planes, &values, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
@@ -146,7 +146,9 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
                     job,
                 )?;
             }
-            cases.map_or(Ok(()), |cases| cases.fit(sink, &view.grid(), job))?;
+            if let Some(cases) = cases {
+                cases.fit(sink, &view.grid(), job)?;
+            }
             Ok(Extracted { counts, precision, margin, singular_cells, skipped })
         };
         surfaces.map(extract).collect()
@@ -201,7 +203,9 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     // The memory is there.
     job.limits.allow("surface", bytes(counts, precision, (sink, cases)), 1)?;
     sink.piece(counts, precision).map_err(ExtractError::Sink)?;
-    cases.map_or(Ok(()), |cases| cases.fit(sink, &view.grid(), job))?;
+    if let Some(cases) = cases {
+        cases.fit(sink, &view.grid(), job)?;
+    }
     let samples_read = view.dims().iter().map(|&n| n as u64).product();
     let skipped = Skipped { samples_read, ..Skipped::default() };
     Ok(ControlFlow::Break(Extracted { counts, precision, margin, singular_cells, skipped }))

@@ -212,7 +212,7 @@ impl Making<'_> {
         let fill = Fill { planes, layout: &layout, placer, values, winding, cases };
         let mut slices = part.slices;
         while !slices.is_empty() {
-            let next = self.piece(&layout, &slices, sink.wants_normals())?;
+            let next = self.piece(&layout, &slices, (sink.wants_normals(), cases.is_some()))?;
             let counts = between(&layout, &next);
             slices.start = next.end;
             if counts != Counts::default() {
@@ -225,12 +225,13 @@ impl Making<'_> {
         Ok(())
     }
 
-    /// The first of some slices whose surface goes into one piece.
+    /// The first of some slices whose surface goes into one piece, with normals or without. Whether the cases of its cells
+    /// are kept beside it.
     fn piece(
         &self,
         layout: &Layout,
         slices: &Range<usize>,
-        normals: bool,
+        (normals, with_cases): (bool, bool),
     ) -> Result<Range<usize>, OverLimit> {
         let limit = self.slabs.budget.piece_bytes;
         let bytes = |end: usize| {
@@ -242,7 +243,12 @@ impl Making<'_> {
         let needed = bytes(slices.start + 1);
         let over = || OverLimit { what: "the surface of one slice", needed, limit };
         let end = fits.ok_or_else(over)?;
-        self.job.limits.probe("surface", Some(bytes(end)), 1)?;
+        // A cell whose case is kept has a triangle.
+        let of_cases = match with_cases {
+            true => between(layout, &(slices.start..end)).triangles,
+            false => 0,
+        };
+        self.job.limits.probe("surface", bytes(end).checked_add(of_cases), 1)?;
         Ok(slices.start..end)
     }
 

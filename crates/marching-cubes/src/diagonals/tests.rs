@@ -343,6 +343,15 @@ fn who_cancels_while_diagonals_are_fitted_or_has_no_memory_for_them_is_heard() {
         let over = extract_many(&view, &isos, &FITTED, &mut sinks, &job).unwrap_err();
         assert!(over.to_string().starts_with("surface needs"), "{over}, of {count}");
     }
+    let in_one_slab = |options: &ExtractOptions| {
+        let budget = Budget { window: 16, piece_bytes: u64::MAX };
+        let slabs = Slabs { isos: &[0.1], options, budget };
+        let mut mesh = mesh.clone();
+        extract_slabs(&mut Slices::new(view), &slabs, &mut vec![mesh.refill()], &job).map(|_| ())
+    };
+    assert_eq!(in_one_slab(&table), Ok(()));
+    let over = in_one_slab(&FITTED).unwrap_err();
+    assert!(over.to_string().starts_with("surface needs"), "{over}, of a slab");
 }
 
 #[test]
