@@ -132,7 +132,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             let layout = layout(&mut planes, &values, options, job)?;
             let counts = layout.as_ref().map_or(Counts::default(), Layout::counts);
             let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
-            job.limits.probe("surface", bytes(counts, precision, (sink, cases)), 1)?;
+            job.limits.probe("surface", surface_bytes(counts, precision, (sink, cases)), 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
             if let Some(layout) = &layout {
                 let placer = Placer::new(*view, iso, margin, 0.0).with_options(options);
@@ -201,7 +201,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         }
     };
     // The memory is there.
-    job.limits.allow("surface", bytes(counts, precision, (sink, cases)), 1)?;
+    job.limits.allow("surface", surface_bytes(counts, precision, (sink, cases)), 1)?;
     sink.piece(counts, precision).map_err(ExtractError::Sink)?;
     if let Some(cases) = cases {
         cases.fit(sink, &view.grid(), job)?;
@@ -212,7 +212,7 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
 }
 
 /// What a surface takes, with the cases of its cells where they are kept; none if that does not fit 64 bits.
-fn bytes<S: MeshSink>(
+pub(crate) fn surface_bytes<S: MeshSink>(
     counts: Counts,
     precision: Precision,
     (sink, cases): (&S, Option<&Cases>),

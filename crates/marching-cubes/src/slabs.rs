@@ -21,7 +21,7 @@ pub use budget::Budget;
 use crate::{
     ExtractError, ExtractOptions, Extracted, Nan, SlabError, Source, Topology,
     diagonals::Cases,
-    extract::{on_threads, passes, precision},
+    extract::{on_threads, passes, precision, surface_bytes},
     fill::Fill,
     layout::{Layout, Part},
     planes::{Lattice, Planes},
@@ -212,11 +212,13 @@ impl Making<'_> {
         let fill = Fill { planes, layout: &layout, placer, values, winding, cases };
         let mut slices = part.slices;
         while !slices.is_empty() {
-            let next = self.piece(&layout, &slices, (sink.wants_normals(), cases.is_some()))?;
+            let next = self.piece(&layout, &slices, sink.wants_normals())?;
             let counts = between(&layout, &next);
             slices.start = next.end;
             if counts != Counts::default() {
                 surface.is_begun = true;
+                let bytes = surface_bytes(counts, self.precision.0, (sink, cases));
+                job.limits.probe("surface", bytes, 1)?;
                 let piece = sink.piece(counts, self.precision.0).map_err(ExtractError::Sink)?;
                 let layers = self.layers_per_task(&next);
                 fill.piece(next, piece, layers, job)?;
@@ -225,13 +227,12 @@ impl Making<'_> {
         Ok(())
     }
 
-    /// The first of some slices whose surface goes into one piece, with normals or without. Whether the cases of its cells
-    /// are kept beside it.
+    /// The first of some slices whose surface goes into one piece.
     fn piece(
         &self,
         layout: &Layout,
         slices: &Range<usize>,
-        (normals, with_cases): (bool, bool),
+        normals: bool,
     ) -> Result<Range<usize>, OverLimit> {
         let limit = self.slabs.budget.piece_bytes;
         let bytes = |end: usize| {
@@ -242,14 +243,7 @@ impl Making<'_> {
         let fits = (slices.start + 1..=slices.end).rev().find(|&end| bytes(end) <= limit);
         let needed = bytes(slices.start + 1);
         let over = || OverLimit { what: "the surface of one slice", needed, limit };
-        let end = fits.ok_or_else(over)?;
-        // A cell whose case is kept has a triangle.
-        let of_cases = match with_cases {
-            true => between(layout, &(slices.start..end)).triangles,
-            false => 0,
-        };
-        self.job.limits.probe("surface", bytes(end).checked_add(of_cases), 1)?;
-        Ok(slices.start..end)
+        fits.map(|end| slices.start..end).ok_or_else(over)
     }
 
     /// Few enough that every thread gets some of the slices.

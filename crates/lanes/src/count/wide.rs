@@ -49,6 +49,7 @@ fn count_groups<P: Pack>(
         // So few words fill no 16 bits.
         let sum = |some: Range<usize>| counts[some].iter().sum::<u64>() & mask;
         if first + P::WORDS <= bits.words() {
+            // All are of one row, as in most packs of long rows.
             out[row - rows.start].unpack(sum(0..P::WORDS));
         } else {
             let mut n = 0;

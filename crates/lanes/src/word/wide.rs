@@ -315,6 +315,8 @@ impl<'a, P: Pack> Groups<'a, P> {
         (low, high)
     }
 
+    /// The words whose first is at `place`. Where corners are `unlike` the first one of their cell, a cell is crossed, if
+    /// there is one.
     #[inline(always)]
     fn group(&self, (low, high): ([P; 4], [P; 4]), unlike: P, place: [usize; 2]) -> Group<P> {
         let words = self.bits.words();

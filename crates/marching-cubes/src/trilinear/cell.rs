@@ -140,7 +140,7 @@ impl Cell {
             verdict.is_singular |= saddle == Ordering::Equal;
         }
         let row = self.resolved(verdict.joined);
-        // Two corners of a face, all others on the other side, are joined across it or not at all.
+        // Two corners of a face, all others on the other side, are joined across it or not at all (`decide.rs`).
         let are_two_of_a_face = faces != 0 && matches!(self.code.count_ones(), 2 | 6);
         // Where some corner has no finite value nothing is joined in the interior.
         if row.discs.len() > 1 && !are_two_of_a_face && self.known == u8::MAX {

@@ -14,8 +14,8 @@
 //! degree at most. Any of the three axes gives the same answer.
 //!
 //! It need not be asked where two corners of one face, A and C, are alone on their side and the face keeps them
-//! apart. Across that face A(t) and C(t) fall to the other side and B(t) and D(t) stay on theirs, so neither |A| / |B|
-//! nor |C| / |D| grows, and q = A·C − B·D stays at 0 or below.
+//! apart. From that face to the opposite one A(t) and C(t) change sides and B(t) and D(t) stay on theirs, so as long as
+//! they are apart neither |A| / |B| nor |C| / |D| grows, and q = A·C − B·D stays at 0 or below.
 //!
 //! *Ties.* The isovalue counts as lower by something infinitely small: a value of 0 is inside, a saddle
 //! at 0 joins the inside and does not join the outside. There the interpolant's own surface is no

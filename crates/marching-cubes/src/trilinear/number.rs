@@ -52,7 +52,7 @@ impl Unit {
         Self(is_small.then(|| [1.0, 2.0].into_iter().find(is_whole)).flatten())
     }
 
-    /// Whether all values are small whole multiples, and so finite.
+    /// Whether that is known. All values are finite then.
     #[inline(always)]
     pub(super) fn is_known(self) -> bool {
         self.0.is_some()
