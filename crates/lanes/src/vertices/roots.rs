@@ -72,14 +72,12 @@ pub(super) struct Search {
     scale: [f32; BATCH],
     /// The place.
     s: [f32; BATCH],
-    /// One over the slope near there.
+    /// One over the slope near there; NaN where the search did not go well, or the rise is not tame.
     factor: [f32; BATCH],
-    /// Those whose rise is tame, those whose search went well, those where an end is the isovalue, and, if there
-    /// are such, those where it would be the lower one.
-    is_tame: u16,
-    is_good: u16,
+    /// If an end is the isovalue anywhere, between what all roots lie: there both are that end.
+    between: [[f32; BATCH]; 2],
+    /// Where an end is.
     is_end: u16,
-    is_low: u16,
 }
 
 impl Search {
@@ -89,10 +87,8 @@ impl Search {
         scale: [0.0; BATCH],
         s: [0.0; BATCH],
         factor: [0.0; BATCH],
-        is_tame: 0,
-        is_good: 0,
+        between: [[0.0; BATCH]; 2],
         is_end: 0,
-        is_low: 0,
     };
 
     /// Takes the values of lines, and leaves in their place the sums of the ends, the rises, and the even and the
@@ -103,7 +99,7 @@ impl Search {
         let a = wide.load_f64(&line.values[PAIRS - 1]);
         let b = wide.load_f64(&line.values[PAIRS]);
         let (sum, rise) = (a + b, b - a);
-        self.is_end = (!(a * b).less(zero)).bits();
+        let is_end = !(a * b).less(zero);
         let below = wide.load_f64(&line.values[PAIRS - 2]);
         let above = wide.load_f64(&line.values[PAIRS + 1]);
         let even = below + above;
@@ -119,13 +115,17 @@ impl Search {
             parts[3] = b_u * wide.f64(1.0 / 12.0);
         }
         let narrow_rise = wide.f64_to_f32(rise);
-        let scale = wide.f32(1.0) / narrow_rise;
         let size = narrow_rise.abs();
         let is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
-        self.is_tame = is_tame.bits();
+        let scale = wide.select_f32(is_tame, wide.f32(1.0) / narrow_rise, wide.f32(f32::NAN));
         let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
+        let is_end = is_end & is_tame;
+        self.is_end = is_end.bits();
         if self.is_end != 0 {
-            self.is_low = straight.less(wide.f32(0.0)).bits();
+            let (is_low, low, high) = (straight.less(wide.f32(0.0)), wide.f32(-0.5), wide.f32(0.5));
+            let [least, most] = &mut self.between;
+            wide.store_f32(wide.select_f32(is_end & !is_low, high, low), least);
+            wide.store_f32(wide.select_f32(is_end & is_low, low, high), most);
         }
         let mut narrow = [straight; 4];
         for n in 0..2 * PAIRS - 2 {
@@ -193,8 +193,8 @@ impl Search {
         let [_, slope, _] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
         let one = wide.f32(1.0);
         let is_near = (one - slope * factor).abs().less(wide.f32(1.0 / 32.0));
-        self.is_good = (wide.f32(0.0).less(slope) & is_near).bits();
-        wide.store_f32(one / slope, &mut self.factor);
+        let is_good = wide.f32(0.0).less(slope) & is_near;
+        wide.store_f32(wide.select_f32(is_good, one / slope, wide.f32(f32::NAN)), &mut self.factor);
     }
 
     /// The roots. Those that have yet to be found are called odd.
@@ -217,15 +217,15 @@ impl Search {
         let value = (s * rise + sum * half) + (square - wide.f64(0.25)) * (a + s * b);
         let step = value * wide.f32_to_f64(factor);
         let s = s - step;
-        let is_small = step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
-        let is_found = self.is_good & is_small.bits();
-        line.is_odd |= !(self.is_tame & (self.is_end | is_found));
+        let is_found = step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
+        line.is_odd |= !(self.is_end | is_found.bits());
         if self.is_end == 0 {
             return s;
         }
         // Where an end is the isovalue there is nothing to search.
-        let end = wide.select_f64(wide.mask(self.is_low), wide.f64(-0.5), half);
-        wide.select_f64(wide.mask(self.is_end), end, s)
+        let [least, most] = &self.between;
+        let least = wide.f32_to_f64(wide.load_f32(least));
+        s.max(least).min(wide.f32_to_f64(wide.load_f32(most)))
     }
 }
 

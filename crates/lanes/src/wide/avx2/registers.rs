@@ -125,9 +125,14 @@ impl Not for Choice {
 impl Mask for Choice {
     #[inline(always)]
     fn bits(self) -> u16 {
+        // The compiler makes more of two masks of eight.
         // SAFETY: a register exists only where the instructions do.
-        let [low, high] = unsafe { two!(N => _mm256_movemask_ps(_mm256_castsi256_ps(self.0[N]))) };
-        (low | high << 8) as u16
+        unsafe {
+            let both = _mm256_packs_epi32(self.0[0], self.0[1]);
+            let quarters =
+                _mm_packs_epi16(_mm256_castsi256_si128(both), _mm256_extracti128_si256::<1>(both));
+            _mm_movemask_epi8(_mm_shuffle_epi32::<0b11_01_10_00>(quarters)) as u16
+        }
     }
 }
 
