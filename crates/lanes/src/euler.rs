@@ -32,12 +32,14 @@ pub(crate) fn triangles<B: Bits>(rows: [[B; 2]; 4]) -> [B; 3] {
     let (t4, f0) = add(t0, t1, t2);
     let (twos, fours) = (t4 ^ t3, f0 ^ t4 & t3);
     // Faces inside: `single` + 2 `double`, modulo 4.
+    // Of the edges along x those of a and d each have a face with those of b and c: sum times sum.
     let [along_a, along_b, along_c, along_d] = [a & a1, b & b1, c & c1, d & d1];
-    let [below, above] = [along_a & along_b, along_c & along_d];
-    let (s3, d0) = add(below, above, along_a & along_c);
-    let (s4, d2) = add(along_b & along_d, a & b & c & d, a1 & b1 & c1 & d1);
-    let (single, double) = (s3 ^ s4, d0 ^ d2 ^ s3 & s4);
-    let cell = below & above;
+    let (one_of_a_d, both_of_a_d) = (along_a ^ along_d, along_a & along_d);
+    let (one_of_b_c, both_of_b_c) = (along_b ^ along_c, along_b & along_c);
+    let d0 = one_of_a_d & both_of_b_c | both_of_a_d & one_of_b_c;
+    let (single, d1) = add(one_of_a_d & one_of_b_c, a & b & c & d, a1 & b1 & c1 & d1);
+    let double = d0 ^ d1;
+    let cell = both_of_a_d & both_of_b_c;
     // Six corners inside and no face: those outside are opposite.
     let hole = !ones & twos & fours & !single & !double;
     [ones, twos ^ single, fours ^ double ^ cell ^ hole ^ !twos & single]

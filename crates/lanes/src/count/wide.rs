@@ -74,10 +74,7 @@ fn counts<P: Pack>(group: &Group<P>) -> P::Words {
     let digits = triangles([[a, a1], [b, b1], [c, c1], [d, d1]]);
     // No closures: those are not always inlined, and are not compiled for the level then.
     let [ones, twos, fours] = digits;
-    let (ones, twos) = ((ones & cells).count_ones(), (twos & cells).count_ones());
-    let fours = (fours & cells).count_ones();
-    let pairs = twos + fours + fours;
+    let triangles = P::sums([ones & cells, twos & cells, fours & cells]);
     let (x, y, z) = ((a ^ a1) & cells, a ^ b, a ^ c);
-    let cut = [x.count_ones(), y.count_ones(), z.count_ones(), ones + pairs + pairs];
-    P::quarters(cut).words()
+    P::quarters([x.count_ones(), y.count_ones(), z.count_ones(), triangles]).words()
 }

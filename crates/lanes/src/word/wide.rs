@@ -63,6 +63,14 @@ pub(crate) trait Pack: Bits + Add<Output = Self> {
     /// How many bits of each word are set.
     fn count_ones(self) -> Self;
 
+    /// The sums of the numbers that the bits of each word are the digits of, three a number, the lowest first.
+    #[inline(always)]
+    fn sums([ones, twos, fours]: [Self; 3]) -> Self {
+        let (twos, fours) = (twos.count_ones(), fours.count_ones());
+        let pairs = twos + fours + fours;
+        ones.count_ones() + pairs + pairs
+    }
+
     /// Four times 16 bits of each word, the lowest first.
     fn quarters(parts: [Self; 4]) -> Self;
 
@@ -86,7 +94,7 @@ pub(crate) struct Group<P> {
     /// The crossed cells.
     active: P,
     /// The words that are not blank.
-    pub(crate) found: u8,
+    found: u8,
     /// Row and place in it of the first word, and words in a row.
     place: [usize; 2],
     words: usize,
@@ -132,6 +140,9 @@ impl<P: Pack> Group<P> {
     /// Adds those of the words that are not blank.
     #[inline(always)]
     fn push_words(&self, out: &mut Vec<Word>) {
+        if self.found == 0 {
+            return;
+        }
         let (corners, cuts, active) = (self.corners(), self.cuts(), self.active.words());
         for n in 0..P::WORDS {
             if self.found >> n & 1 == 1 {
@@ -250,7 +261,7 @@ impl<'a, P: Pack> Groups<'a, P> {
         }
     }
 
-    /// The next words of which one is not blank.
+    /// The next words of which one is not blank; behind the last cell of a row or of all, all may be.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Group<P>> {
         loop {
@@ -265,10 +276,7 @@ impl<'a, P: Pack> Groups<'a, P> {
             // Corners unlike the first; where a row ends, some that are none.
             let unlike = (a ^ a1) | (a ^ b) | (a ^ c) | (a ^ d) | (a ^ b1) | (a ^ c1) | (a ^ d1);
             if unlike.found() != 0 {
-                let group = self.group((low, high), unlike, place);
-                if group.found != 0 {
-                    return Some(group);
-                }
+                return Some(self.group((low, high), unlike, place));
             }
         }
     }

@@ -81,6 +81,13 @@ impl Pack for Four {
         self.ones_of_bytes().sums_of_bytes()
     }
 
+    /// The numbers are added up byte by byte first.
+    #[inline(always)]
+    fn sums([ones, twos, fours]: [Self; 3]) -> Self {
+        let pairs = twos.ones_of_bytes_times::<2>().add_bytes(fours.ones_of_bytes_times::<4>());
+        ones.ones_of_bytes().add_bytes(pairs).sums_of_bytes()
+    }
+
     #[inline(always)]
     fn quarters([a, b, c, d]: [Self; 4]) -> Self {
         // SAFETY: there is a register.
@@ -119,11 +126,18 @@ impl Four {
     /// How many bits of each byte are set.
     #[inline(always)]
     pub(crate) fn ones_of_bytes(self) -> Self {
-        // SAFETY: there is a register.
+        self.ones_of_bytes_times::<1>()
+    }
+
+    /// The same, so many times.
+    #[inline(always)]
+    fn ones_of_bytes_times<const TIMES: u8>(self) -> Self {
+        const ONES: [u8; 16] = [0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4];
+        // SAFETY: there is a register; sixteen bytes are one of half the size, and the load needs no alignment.
         Self(unsafe {
             let nibbles = _mm256_set1_epi8(0xF);
-            let ones = _mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
-            let ones = _mm256_broadcastsi128_si256(ones);
+            let ones = const { times(ONES, TIMES) };
+            let ones = _mm256_broadcastsi128_si256(_mm_loadu_si128(ones.as_ptr().cast()));
             let low = _mm256_and_si256(self.0, nibbles);
             let high = _mm256_and_si256(_mm256_srli_epi16::<4>(self.0), nibbles);
             _mm256_add_epi8(_mm256_shuffle_epi8(ones, low), _mm256_shuffle_epi8(ones, high))
@@ -159,6 +173,15 @@ impl Four {
         // SAFETY: there is a register.
         Self(unsafe { _mm256_sad_epu8(self.0, _mm256_setzero_si256()) })
     }
+}
+
+const fn times(mut bytes: [u8; 16], times: u8) -> [u8; 16] {
+    let mut n = 0;
+    while n < 16 {
+        bytes[n] *= times;
+        n += 1;
+    }
+    bytes
 }
 
 /// Register `n` of what comes out holds number `n` of each register.
