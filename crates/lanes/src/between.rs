@@ -84,7 +84,7 @@ impl<'a, T: Lane> Between<'a, T> {
             let place = wide.load_f64(&lines.start[k]) + steps * wide.load_f64(&lines.step[k]);
             let place = place.max(zero).min(wide.f64(last));
             cells.low[k] = wide.truncate(place.min(wide.f64(last - 1.0)));
-            cells.part[k] = wide.f64_to_f32(place - wide.u32_to_f64(cells.low[k]));
+            cells.part[k] = wide.f64_to_f32(place - wide.i32_to_f64(cells.low[k]));
         }
         cells
     }

@@ -156,11 +156,11 @@ impl Blocks<'_> {
             let place = wide.load_f64(&lines.start[axis]) + own * wide.load_f64(&lines.step[axis]);
             let place = (place * wide.f64(1.0 / self.cells)).max(zero);
             let along = wide.truncate(place.min(wide.f64(f64::from(self.counts[axis] - 1))));
-            block[axis] = wide.u32_to_f64(along);
+            block[axis] = wide.i32_to_f64(along);
             number = number * wide.u32(self.counts[axis]) + along;
         }
         let reach = wide.load(&self.reaches(wide.store(number)));
-        let more = (wide.u32_to_f64(reach) - one).max(zero);
+        let more = (wide.i32_to_f64(reach) - one).max(zero);
         let is_clear = wide.less(wide.u32(0), reach);
         let mut far = until;
         for axis in 0..3 {

@@ -67,14 +67,17 @@ fn vertices_at<T: Lane, C: Coordinate>(
     edges: &Edges,
     out: Vertices<'_, C>,
 ) {
-    let kernel = Kernel { samples, field, directions: field.directions(), edges };
-    run_at(level, Straight { kernel, out });
+    run_at(level, Straight { kernel: Kernel::new(samples, field, edges), out });
 }
 
 struct Kernel<'b, 'a, T> {
     samples: &'b Samples<'a, T>,
     field: &'b Field,
+    /// Those of the field.
     directions: [[f32; 3]; 3],
+    starts: Option<[f64; 3]>,
+    /// Stored samples are not their values.
+    is_scaled: bool,
     edges: &'b Edges,
 }
 
@@ -91,7 +94,13 @@ impl<T: Lane, C: Coordinate> Task for Straight<'_, '_, '_, T, C> {
     }
 }
 
-impl<T: Lane> Kernel<'_, '_, T> {
+impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
+    fn new(samples: &'b Samples<'a, T>, field: &'b Field, edges: &'b Edges) -> Self {
+        let is_scaled = field.slope != 1.0 || field.intercept != 0.0;
+        let (directions, starts) = (field.directions(), field.starts());
+        Self { samples, field, directions, starts, is_scaled, edges }
+    }
+
     #[inline(always)]
     fn run<C: Coordinate>(&self, wide: impl Wide, out: Vertices<'_, C>) {
         let Vertices { positions, mut normals, odd } = out;
@@ -139,7 +148,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let (difference, half, reach) = (a - b, wide.f64(0.5), self.field.reach);
         let delta = (a + b) / difference * half;
         let delta = delta.max(wide.f64(-reach)).min(wide.f64(reach));
-        C::write(wide, self.field.places(wide, batch.axis, batch.low, delta), positions);
+        let places = self.field.places(wide, self.starts, batch.axis, batch.low, delta);
+        C::write(wide, places, positions);
         let infinite = wide.f64(f64::INFINITY);
         let is_finite = difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference);
         let mut is_odd = batch.is_outside | !is_finite.bits();
@@ -156,7 +166,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let Field { iso, slope, intercept, .. } = *self.field;
         let mut value = T::Exact::to_f64(wide, end);
         // By one and nothing they are the same, but for the sign of 0, which does not matter.
-        if slope != 1.0 || intercept != 0.0 {
+        if self.is_scaled {
             value = value * wide.f64(slope) + wide.f64(intercept);
         }
         value - wide.f64(iso)

@@ -114,6 +114,9 @@ pub trait Wide: Copy {
 
     fn u32_to_f64(self, numbers: Self::U32) -> Self::F64;
 
+    /// Of numbers taken as i32: those from 2³¹ on lose 2³².
+    fn i32_to_f64(self, numbers: Self::U32) -> Self::F64;
+
     fn f32_to_f64(self, numbers: Self::F32) -> Self::F64;
 
     /// Rounded to the nearest.

@@ -95,7 +95,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
     if let Some(normals) = &normals {
         assert_eq!(normals.len(), edges.len(), "room for every normal");
     }
-    let kernel = Kernel { samples, field, directions: field.directions(), edges };
+    let kernel = Kernel::new(samples, field, edges);
     let pairs = curve.pairs();
     let mut lines = [const { Line::DEFAULT }; TURN];
     let mut searches = [const { Search::DEFAULT }; TURN];
@@ -118,7 +118,8 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let searches = &mut searches[..];
         run_at(level, Roots { lines: held, searches, pairs, reach: field.reach });
         let lines = &lines[..batches];
-        run_at(level, Placing { field, edges, first, lines, positions });
+        let starts = kernel.starts;
+        run_at(level, Placing { field, starts, edges, first, lines, positions });
         for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.is_odd != 0) {
             let at = first + number * BATCH;
             odd.extend(set_bits(line.is_odd, edges.len() - at).map(|n| (at + n) as u32));
@@ -201,6 +202,7 @@ impl<T: Lane> Task for Loading<'_, '_, '_, T> {
 /// Makes the places of the batches from edge `first` on.
 struct Placing<'l, C> {
     field: &'l Field,
+    starts: Option<[f64; 3]>,
     edges: &'l Edges,
     first: usize,
     lines: &'l [Line],
@@ -215,7 +217,7 @@ impl<C: Coordinate> Task for Placing<'_, C> {
             let [axis, x, y] = self.edges.batch(self.first + number * BATCH);
             let low = [wide.load(x), wide.load(y), z];
             let delta = wide.load_f64(&line.delta);
-            let places = self.field.places(wide, wide.load(axis), low, delta);
+            let places = self.field.places(wide, self.starts, wide.load(axis), low, delta);
             let out = &mut self.positions[number * BATCH..];
             match out.first_chunk_mut() {
                 Some(out) => C::write(wide, places, out),

@@ -161,6 +161,13 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
+    fn i32_to_f64(self, numbers: U32) -> F64 {
+        let parts = quarters(self, numbers.0);
+        // SAFETY: there is a token.
+        F64(unsafe { four!(N => _mm256_cvtepi32_pd(parts[N])) })
+    }
+
+    #[inline(always)]
     fn u32_to_f64(self, numbers: U32) -> F64 {
         // SAFETY: there is a token.
         unsafe {

@@ -147,6 +147,13 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
+    fn i32_to_f64(self, numbers: U32) -> F64 {
+        let [low, high] = halves(self, numbers.0);
+        // SAFETY: there is a token.
+        unsafe { F64(_mm512_cvtepi32_pd(low), _mm512_cvtepi32_pd(high)) }
+    }
+
+    #[inline(always)]
     fn f32_to_f64(self, numbers: F32) -> F64 {
         // SAFETY: there is a token.
         unsafe {

@@ -182,6 +182,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn i32_to_f64(self, numbers: Array<u32>) -> Array<f64> {
+        Array(each!(n => f64::from(numbers.0[n] as i32)))
+    }
+
+    #[inline(always)]
     fn f32_to_f64(self, numbers: Array<f32>) -> Array<f64> {
         Array(each!(n => f64::from(numbers.0[n])))
     }

@@ -49,7 +49,14 @@ impl Task for Every<'_> {
         for numbers in [
             [a.max(b), a.min(b), a.abs(), a.sqrt(), a + b, a - b],
             [a * b, a / b, wide.f32_to_f64(c), wide.u32_to_f64(n), wide.f64(0.1), a],
-            [wide.select_f64(below, a, b), wide.select_f64(less, a, b), a, b, b, b],
+            [
+                wide.select_f64(below, a, b),
+                wide.select_f64(less, a, b),
+                wide.i32_to_f64(n),
+                a,
+                b,
+                b,
+            ],
         ]
         .as_flattened()
         {

@@ -1,7 +1,7 @@
 //! Samples from sixteen places.
 
 use super::{
-    Avx2, quarters,
+    Avx2,
     registers::{F32, F64, U32, four, two},
 };
 use crate::{
@@ -176,10 +176,7 @@ pub(super) fn exact<T: Lane>(wide: Avx2, words: [__m256i; 2]) -> <T::Exact as Ex
         u16, F32(two!(N => _mm256_cvtepi32_ps(low_bits::<16>(words[N]))));
         i16, F32(two!(N => _mm256_cvtepi32_ps(signed_low_bits::<16>(words[N]))));
         u32, wide.u32_to_f64(U32(words));
-        i32, {
-            let parts = quarters(wide, words);
-            F64(four!(N => _mm256_cvtepi32_pd(parts[N])))
-        };
+        i32, wide.i32_to_f64(U32(words));
     }
     unreachable!("no other type is a lane of four bytes or less")
 }

@@ -106,7 +106,6 @@ pub(super) fn exact<T: Lane>(wide: Avx512, words: __m512i) -> <T::Exact as Exact
             })*
         };
     }
-    let [low, high] = halves(wide, words);
     by_type! {
         f32, F32(_mm512_castsi512_ps(words));
         u8, F32(_mm512_cvtepi32_ps(_mm512_and_si512(words, _mm512_set1_epi32(0xFF))));
@@ -114,7 +113,7 @@ pub(super) fn exact<T: Lane>(wide: Avx512, words: __m512i) -> <T::Exact as Exact
         u16, F32(_mm512_cvtepi32_ps(_mm512_and_si512(words, _mm512_set1_epi32(0xFFFF))));
         i16, F32(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(words))));
         u32, wide.u32_to_f64(U32(words));
-        i32, F64(_mm512_cvtepi32_pd(low), _mm512_cvtepi32_pd(high));
+        i32, wide.i32_to_f64(U32(words));
     }
     unreachable!("no other type is a lane of four bytes or less")
 }
