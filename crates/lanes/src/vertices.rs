@@ -22,7 +22,7 @@ mod roots;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use curves::{Curve, Gradient, OneByOne, curved_vertices};
+pub use curves::{BEFORE, Curve, Gradient, OneByOne, curved_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 

@@ -6,6 +6,8 @@
 //! highest order that the line allows. From either border it is the same sum in the same order, so that
 //! mirrored volumes keep mirrored bits.
 
+use isokit_lanes::BEFORE;
+
 /// The most samples of a stencil: those of a difference of order six.
 const MOST: usize = 7;
 
@@ -49,23 +51,6 @@ fn continued(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -
 fn before<'v>(factors: &[f64; MOST], values: impl Iterator<Item = &'v f64>) -> f64 {
     factors.iter().zip(values).fold(0.0, |sum, (factor, value)| sum + factor * value)
 }
-
-/// For each number of values the factors of all of them in the value before the first: the difference of as high
-/// an order as there are values is 0.
-const BEFORE: [[f64; MOST]; MOST + 1] = {
-    let mut factors = [[0.0; MOST]; MOST + 1];
-    let mut held = 1;
-    while held <= MOST {
-        let (mut n, mut factor) = (0, -1.0);
-        while n < held {
-            factor = -factor * (held - n) as f64 / (n + 1) as f64;
-            factors[held][n] = factor;
-            n += 1;
-        }
-        held += 1;
-    }
-    factors
-};
 
 /// The weights of an even number of values around an edge in what the polynomial through all of them is at
 /// `s` steps from its middle (Lagrange): of the nearest pair, lower and upper, then of the next.

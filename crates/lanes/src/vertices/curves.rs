@@ -5,9 +5,9 @@
 //! is short, so that the machine works at several batches at once while one waits, and only the first and the
 //! last are compiled for each type of sample.
 //!
-//! The caller tells the values of lines that leave the lattice, and the normals that a loop leaves. Edges that have
-//! none, that have values which are not finite, or a root that is hard to find, are called odd and left to
-//! the caller.
+//! Lines that leave the lattice are continued (`curves/beyond.rs`). The caller tells the values of those that are
+//! too short for that, and the normals that a loop leaves. Edges that have none, that have values which are not
+//! finite, or a root that is hard to find, are called odd and left to the caller.
 
 use super::{
     Field, Kernel, Vertices,
@@ -20,8 +20,12 @@ use crate::{
     wide::{BATCH, Mask, Task, Wide, run_at},
 };
 
+mod beyond;
 #[cfg(test)]
 mod tests;
+
+pub use beyond::BEFORE;
+use beyond::Lacking;
 
 /// Batches that are worked at in turn: what is known of them stays in the first cache.
 const TURN: usize = 8;
@@ -57,7 +61,7 @@ pub enum Gradient {
 /// The most samples on a line.
 const MOST: usize = 6;
 
-/// What the caller tells of edges, by their number, where samples that a stencil asks for are missing.
+/// What the caller tells of edges, by their number, where too many samples that a stencil asks for are missing.
 pub trait OneByOne {
     /// The values on the line of an edge, less the isovalue, of which the two in the middle are those of the ends.
     /// False if the ends are not both samples.
@@ -248,15 +252,28 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let batch = self.ends(wide, first);
         let Stencil { slice, low, steps: [step, ..] } = self.stencil(wide, &batch);
         // From so many steps before the lower end.
-        let mut numbers = [low + step * wide.u32((pairs - 1).wrapping_neg() as u32); HELD];
+        let mut begin = low + step * wide.u32((pairs - 1).wrapping_neg() as u32);
+        // Inner edges have one neighbour on either side.
+        let (mut is_odd, mut lacking) = (0, None);
+        if batch.is_inner != u16::MAX || pairs > 2 {
+            let (along, size) = self.along(wide, &batch);
+            let found = Lacking::new(wide, pairs as u32, along, size);
+            is_odd = batch.is_outside | wide.less(size, wide.u32(HELD as u32)).bits();
+            if found.any != 0 {
+                begin = found.moved(wide, begin, step);
+                // Samples are as many slices farther in as are lacking.
+                if !self.samples.is_near(2 * pairs as i64 - 1) {
+                    is_odd |= found.any;
+                }
+                lacking = Some(found);
+            }
+            is_odd |=
+                !self.can_load(wide, slice, [begin, begin + step * wide.u32(HELD as u32 - 1)]);
+        }
+        let mut numbers = [begin; HELD];
         for n in 1..HELD {
             numbers[n] = numbers[n - 1] + step;
         }
-        // Inner edges have one neighbour on either side.
-        let is_odd = match batch.is_inner == u16::MAX && pairs == 2 {
-            true => 0,
-            false => !self.can_load(wide, &batch, slice, &numbers),
-        };
         if is_odd == u16::MAX {
             return u16::MAX;
         }
@@ -269,11 +286,14 @@ impl<T: Lane> Kernel<'_, '_, T> {
             }
         }
         for (value, number) in values.iter_mut().zip(numbers) {
-            // SAFETY: all samples on the lines of the edges that are left are there. Four bytes can be
-            // read from each on: of inner edges they have both neighbours across, of others that was
-            // looked at. The farthest is as many slices away as there are pairs.
+            // SAFETY: all samples on the lines of the edges that are left are there, or as many farther in. Four bytes
+            // can be read from each on: of inner edges they have both neighbours across, of others that was
+            // looked at. The farthest is as many slices away as there are pairs, or so many as was asked.
             let sample = unsafe { wide.near(self.samples, slice, number) };
             wide.store_f64(self.above_iso(wide, sample), value);
+        }
+        if let Some(lacking) = lacking {
+            lacking.put_in::<HELD>(wide, values);
         }
         is_odd
     }
@@ -299,24 +319,30 @@ impl<T: Lane> Kernel<'_, '_, T> {
         Stencil { slice, low, steps }
     }
 
-    /// The bits of those edges whose samples on the line, of these numbers from that of the slice, are there,
-    /// each with four bytes from it on.
+    /// The places of lower ends along their edges, and how many samples the lattice has there.
     #[inline(always)]
-    fn can_load<W: Wide>(&self, wide: W, batch: &Batch<W>, slice: i64, numbers: &[W::U32]) -> u16 {
-        let (mut can_load, margin) = (wide.mask(!batch.is_outside), numbers.len() as u32 / 2 - 1);
-        for axis in 0..3 {
+    fn along<W: Wide>(&self, wide: W, batch: &Batch<W>) -> (W::U32, W::U32) {
+        let size = self.samples.dims();
+        let (mut along, mut sizes) = (batch.low[2], wide.u32(size[2]));
+        for axis in [1, 0] {
             let is_along = wide.equal(batch.axis, wide.u32(axis as u32));
-            // A wrapped −1 is beyond all sizes, and −2 too.
-            let within = wide.u32(self.samples.dims()[axis].saturating_sub(2 * margin + 1));
-            let less = wide.u32(margin.wrapping_neg());
-            can_load = can_load & (wide.less(batch.low[axis] + less, within) | !is_along);
+            along = wide.select(is_along, batch.low[axis], along);
+            sizes = wide.select(is_along, wide.u32(size[axis]), sizes);
         }
+        (along, sizes)
+    }
+
+    /// The bits of those lines from whose samples, of which the first and the last have these numbers from that of
+    /// the slice, four bytes can be read on.
+    #[inline(always)]
+    fn can_load<W: Wide>(&self, wide: W, slice: i64, ends: [W::U32; 2]) -> u16 {
         let reach = 4_usize.div_ceil(size_of::<T>());
         let end = self.samples.all().len() as i64 - reach as i64 - slice + 1;
         // Compared as numbers without a sign, from the least on.
         let least = i64::from(i32::MIN);
         let end = end.clamp(least, i32::MAX.into()) - least;
-        for number in [numbers[0], numbers[numbers.len() - 1]] {
+        let mut can_load = wide.mask(u16::MAX);
+        for number in ends {
             can_load = can_load & wide.less(number + wide.u32(1 << 31), wide.u32(end as u32));
         }
         can_load.bits()

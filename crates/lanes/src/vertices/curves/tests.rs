@@ -1,6 +1,6 @@
 //! Every level against the portable one, whose bits `marching-cubes` compares with those of one at a time.
 
-use super::{Curve, Gradient, OneByOne, Vertices, curved_vertices_at};
+use super::{BEFORE, Curve, Gradient, OneByOne, Vertices, curved_vertices_at};
 use crate::{
     Edges, Lane, Level, Samples,
     vertices::{
@@ -54,21 +54,18 @@ fn placed<T: Lane>(
     ((0..count).map(bits).collect(), odd)
 }
 
-/// Whether an edge and so many neighbours of each end on its line, one or two, are in the lattice.
-fn has_line(dims: [u32; 3], (axis, low): (usize, [u32; 3]), neighbours: i64) -> bool {
-    (0..3).all(|k| {
-        let low = i64::from(low[k] as i32);
-        let (margin, end) = if k == axis { (neighbours, low + 1) } else { (0, low) };
-        low >= margin && end + margin < i64::from(dims[k])
-    })
+/// Whether an edge is in the lattice, and on its line as many samples as the curve goes through.
+fn has_line(dims: [u32; 3], (axis, low): (usize, [u32; 3]), samples: u32) -> bool {
+    let is_within = |k: usize| low[k] < dims[k] && low[k] + u32::from(k == axis) < dims[k];
+    (0..3).all(is_within) && dims[axis] >= samples
 }
 
 /// The share of edges with a line that are placed, on the curve where fewer are.
 fn check<T: Lane>(sample: fn(&mut Chance) -> T) -> f64 {
-    check_one(sample, Curve::Cubic, 1).min(check_one(sample, Curve::Quintic, 2))
+    check_one(sample, Curve::Cubic, 4).min(check_one(sample, Curve::Quintic, 6))
 }
 
-fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, neighbours: i64) -> f64 {
+fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, on_line: u32) -> f64 {
     let (mut chance, mut lines, mut kept) = (Chance(5), 0, 0);
     for dims in [[15, 13, 14], [8, 8, 8], [12, 12, 12], [7, 6, 8], [3, 4, 5], [1, 9, 9]] {
         let count = dims.iter().product::<u32>() as usize;
@@ -111,8 +108,8 @@ fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, neighbours: i6
                 assert_eq!(odd, same);
                 for n in 0..edges.len() {
                     let is_odd = odd.contains(&(n as u32));
-                    let has_line = has_line(dims, edges.get(n), neighbours);
-                    assert!(has_line || is_odd, "{:?} is at the border", edges.get(n));
+                    let has_line = has_line(dims, edges.get(n), on_line);
+                    assert!(has_line || is_odd, "{:?} has no line", edges.get(n));
                     lines += usize::from(has_line);
                     kept += usize::from(!is_odd);
                 }
@@ -135,7 +132,8 @@ fn every_level_places_the_same_vertices_on_curves_and_nearly_all() {
         check(|chance| chance.below(1 << 20) as f32 * 0.01),
         check(|chance| f64::from(chance.below(1 << 20)) * 0.01),
     ];
-    assert!(kept.iter().all(|&kept| kept > 0.95), "{kept:?}");
+    // Next to the end of memory four bytes cannot be read from a sample on.
+    assert!(kept.iter().all(|&kept| kept > 0.93), "{kept:?}");
 }
 
 #[test]
@@ -158,36 +156,60 @@ fn what_is_not_finite_is_odd_at_every_level() {
 }
 
 #[test]
-fn lines_that_leave_the_lattice_are_those_that_the_caller_tells() {
-    let dims = [9_usize, 8, 7];
-    let count = dims.iter().product::<usize>();
+fn lines_that_leave_the_lattice_are_continued_and_those_too_short_for_that_are_told() {
+    leave_the_lattice(Curve::Cubic);
+    leave_the_lattice(Curve::Quintic);
+}
+
+/// Edges of a lattice whose lines along z are too short, and the same ones in a larger lattice, where nothing is missing.
+fn leave_the_lattice(curve: Curve) {
+    let (dims, beyond) = ([9_usize, 8, 3], curve.pairs() - 1);
+    let held = 2 * curve.pairs();
     let mut chance = Chance(2);
-    let all: Vec<i16> = (0..count).map(|_| chance.next() as i16).collect();
-    let strides = [1, 9, 72];
-    let samples = Samples::new(&all, 0, strides, dims).unwrap();
-    // The same samples within a larger lattice, where nothing is missing.
-    let larger: Vec<i16> = (0..11 * 10 * 9)
-        .map(|n| {
-            let [x, y, z] = [n % 11, n / 11 % 10, n / 110].map(|i: usize| i.saturating_sub(1));
-            all[x.min(8) + 9 * y.min(7) + 72 * z.min(6)]
-        })
-        .collect();
-    let around = Samples::new(&larger, 0, [1, 11, 110], [11, 10, 9]).unwrap();
-    for z in 0..6 {
+    let all: Vec<i32> = (0..216).map(|_| chance.below(200) as i32 - 100).collect();
+    let samples = Samples::new(&all, 0, [1, 9, 72], dims).unwrap();
+    // The samples on each line, and what continues them; whole numbers, of which no digit is lost.
+    let sizes = dims.map(|n| n + 2 * beyond);
+    let strides = [1, sizes[0], sizes[0] * sizes[1]];
+    let mut larger = vec![0; strides[2] * sizes[2]];
+    let at = |ijk: [usize; 3]| (0..3).map(|k| (ijk[k] + beyond) * strides[k]).sum::<usize>();
+    for (n, &sample) in all.iter().enumerate() {
+        larger[at([n % 9, n / 9 % 8, n / 72])] = sample;
+    }
+    for axis in 0..3 {
+        let lines = (0..216).map(|n| [n % 9, n / 9 % 8, n / 72]).filter(|ijk| ijk[axis] == 0);
+        for first in lines.map(at) {
+            let (size, step) = (dims[axis], strides[axis]);
+            let count = held.min(size);
+            let factors: Vec<i32> = BEFORE[count][..count].iter().map(|&f| f as i32).collect();
+            for n in 1..=beyond {
+                let last = first + (size - 1) * step;
+                let sum = |place: &dyn Fn(usize) -> usize| -> i32 {
+                    factors.iter().enumerate().map(|(k, factor)| factor * larger[place(k)]).sum()
+                };
+                let low = sum(&|k| first + (k + 1) * step - n * step);
+                let high = sum(&|k| last + n * step - (k + 1) * step);
+                (larger[first - n * step], larger[last + n * step]) = (low, high);
+            }
+        }
+    }
+    let around = Samples::new(&larger, 0, strides.map(|n| n as isize), sizes).unwrap();
+    for z in 0..2 {
         let mut list = vec![];
         for (axis, y) in (0..3).flat_map(|axis| (0..7).map(move |y| (axis, y))) {
             list.extend((0..8).map(|x| (axis, [x, y])));
         }
         let inside = edges(Level::Portable, &list, z);
-        let moved: Vec<_> = list.iter().map(|&(axis, [x, y])| (axis, [x + 1, y + 1])).collect();
-        let moved = edges(Level::Portable, &moved, z + 1);
+        let (by, more) = (beyond as u32, beyond as f64);
+        let moved: Vec<_> = list.iter().map(|&(axis, [x, y])| (axis, [x + by, y + by])).collect();
+        let moved = edges(Level::Portable, &moved, z + by);
         let told = Told(|n: usize, values: &mut [f64]| {
             let (axis, low) = moved.get(n);
-            let step = [1, 11, 110][axis];
-            let first = low[0] as usize + 11 * low[1] as usize + 110 * low[2] as usize - step;
-            let value = |k: usize| f64::from(larger[first + k * step]) * FIELD.slope;
+            assert!(dims[axis] < held, "lines of {} samples are continued", dims[axis]);
+            let low: usize = (0..3).map(|k| low[k] as usize * strides[k]).sum();
             for (k, to) in values.iter_mut().enumerate() {
-                *to = value(k) + FIELD.intercept - FIELD.iso;
+                let sample = larger[low + k * strides[axis] - beyond * strides[axis]];
+                *to = f64::from(sample) * FIELD.slope + FIELD.intercept - FIELD.iso;
             }
             true
         });
@@ -195,15 +217,17 @@ fn lines_that_leave_the_lattice_are_those_that_the_caller_tells() {
             let place = |samples, edges: &Edges, field| {
                 let (mut positions, mut odd) = (vec![[0.0_f32; 3]; list.len()], vec![]);
                 let out = Vertices { positions: &mut positions, normals: None, odd: &mut odd };
-                let made = (Curve::Cubic, Gradient::Matching);
+                let made = (curve, Gradient::Matching);
                 curved_vertices_at(level, (samples, field), made, edges, &told, out);
                 odd.iter().for_each(|&n| positions[n as usize] = [0.0; 3]);
                 (positions, odd)
             };
-            // One step back along each axis, which whole numbers let one see to the last bit.
+            // So many steps back along each axis, which whole numbers let one see to the last bit.
             let index = Field { columns: UNIT, origin: [0.0; 3], first_slice: 0.0, ..FIELD };
-            let back = Field { origin: [-1.0; 3], ..index };
-            assert_eq!(place(&samples, &inside, &index), place(&around, &moved, &back), "{level}");
+            let back = Field { origin: [-more; 3], ..index };
+            let found = place(&samples, &inside, &index);
+            assert_eq!(found, place(&around, &moved, &back), "{level}, {curve:?}");
+            assert!(found.1.len() < list.len() / 2, "{} are odd", found.1.len());
         }
     }
 }
