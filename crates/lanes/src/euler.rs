@@ -36,9 +36,9 @@ pub(crate) fn triangles<B: Bits>(rows: [[B; 2]; 4]) -> [B; 3] {
     let [along_a, along_b, along_c, along_d] = [a & a1, b & b1, c & c1, d & d1];
     let (one_of_a_d, both_of_a_d) = (along_a ^ along_d, along_a & along_d);
     let (one_of_b_c, both_of_b_c) = (along_b ^ along_c, along_b & along_c);
-    let d0 = one_of_a_d & both_of_b_c | both_of_a_d & one_of_b_c;
-    let (single, d1) = add(one_of_a_d & one_of_b_c, a & b & c & d, a1 & b1 & c1 & d1);
-    let double = d0 ^ d1;
+    let two_along_x = one_of_a_d & both_of_b_c | both_of_a_d & one_of_b_c;
+    let (single, carry) = add(one_of_a_d & one_of_b_c, a & b & c & d, a1 & b1 & c1 & d1);
+    let double = two_along_x ^ carry;
     let cell = both_of_a_d & both_of_b_c;
     // Six corners inside and no face: those outside are opposite.
     let hole = !ones & twos & fours & !single & !double;

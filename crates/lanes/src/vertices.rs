@@ -22,7 +22,7 @@ mod roots;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use curves::{BEFORE, Curve, Gradient, OneByOne, curved_vertices};
+pub use curves::{Curve, Gradient, ONE_BEFORE, OneByOne, curved_vertices};
 pub use edges::{BLOCK, Edges};
 pub use field::{Coordinate, Field};
 
@@ -96,6 +96,7 @@ impl<T: Lane, C: Coordinate> Task for Straight<'_, '_, '_, T, C> {
 
 impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
     fn new(samples: &'b Samples<'a, T>, field: &'b Field, edges: &'b Edges) -> Self {
+        // By one and nothing they are the same, but for the sign of 0, which does not matter.
         let is_scaled = field.slope != 1.0 || field.intercept != 0.0;
         let (directions, starts) = (field.directions(), field.starts());
         Self { samples, field, directions, starts, is_scaled, edges }
@@ -165,7 +166,6 @@ impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
     fn above_iso<W: Wide>(&self, wide: W, end: <T::Exact as Exact>::Of<W>) -> W::F64 {
         let Field { iso, slope, intercept, .. } = *self.field;
         let mut value = T::Exact::to_f64(wide, end);
-        // By one and nothing they are the same, but for the sign of 0, which does not matter.
         if self.is_scaled {
             value = value * wide.f64(slope) + wide.f64(intercept);
         }

@@ -138,8 +138,9 @@ pub trait Wide: Copy {
     ///
     /// # Safety
     ///
-    /// Each must be a sample that has both neighbours along two axes or more, and in a slice for which
-    /// [`Samples::is_near`] holds, as far from the one that `from` lies in.
+    /// Each must be a sample from which on four bytes of all samples can be read, as from those that have both
+    /// neighbours along two axes or more, and in a slice for which [`Samples::is_near`] holds, as far from the one
+    /// that `from` lies in.
     unsafe fn near<T: Lane>(
         self,
         samples: &Samples<'_, T>,

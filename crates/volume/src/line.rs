@@ -3,10 +3,11 @@
 //! A stencil that leads over the border is one-sided there. That is done by going on: the missing samples
 //! are those of the polynomial through the nearest ones, as many as the stencil has, or all where a line
 //! has fewer. What is made of them is then what the one-sided stencil of the same order gives, or of the
-//! highest order that the line allows. From either border it is the same sum in the same order, so that
+//! highest order that the line allows. `curves/beyond.rs` of `lanes` does the same for sixteen lines at once, to the same
+//! bits, and has the factors. From either border it is the same sum in the same order, so that
 //! mirrored volumes keep mirrored bits.
 
-use isokit_lanes::BEFORE;
+use isokit_lanes::ONE_BEFORE;
 
 /// The most samples of a stencil: those of a difference of order six.
 const MOST: usize = 7;
@@ -38,10 +39,10 @@ fn continued(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -
         *value_there = value(base as usize + n);
     }
     for n in (0..low).rev() {
-        line[n] = before(&BEFORE[held], line[n + 1..=n + held].iter());
+        line[n] = before(&ONE_BEFORE[held], line[n + 1..=n + held].iter());
     }
     for n in high..end {
-        line[n] = before(&BEFORE[held], line[n - held..n].iter().rev());
+        line[n] = before(&ONE_BEFORE[held], line[n - held..n].iter().rev());
     }
     out.copy_from_slice(&line[own..end]);
 }

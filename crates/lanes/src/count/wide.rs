@@ -1,4 +1,4 @@
-//! A pack of words at a time, of which blank ones are not counted.
+//! A pack of words at a time, of which nearly all blank ones are passed over.
 
 use super::RowCounts;
 use crate::{

@@ -6,8 +6,8 @@
 //! last are compiled for each type of sample.
 //!
 //! Lines that leave the lattice are continued (`curves/beyond.rs`). The caller tells the values of those that are
-//! too short for that, and the normals that a loop leaves. Edges that have none, that have values which are not
-//! finite, or a root that is hard to find, are called odd and left to the caller.
+//! too short for that or cannot be loaded so, and the normals that a loop leaves. Edges that have none, that have
+//! values which are not finite, or a root that is hard to find, are called odd and left to the caller.
 
 use super::{
     Field, Kernel, Vertices,
@@ -24,8 +24,8 @@ mod beyond;
 #[cfg(test)]
 mod tests;
 
-pub use beyond::BEFORE;
 use beyond::Lacking;
+pub use beyond::ONE_BEFORE;
 
 /// Batches that are worked at in turn: what is known of them stays in the first cache.
 const TURN: usize = 8;
@@ -61,13 +61,15 @@ pub enum Gradient {
 /// The most samples on a line.
 const MOST: usize = 6;
 
-/// What the caller tells of edges, by their number, where too many samples that a stencil asks for are missing.
+/// What the caller tells of edges that the loops leave, by their number.
 pub trait OneByOne {
-    /// The values on the line of an edge, less the isovalue, of which the two in the middle are those of the ends.
-    /// False if the ends are not both samples.
+    /// The values on the line of an edge, less the isovalue, of which the two in the middle are those of the ends:
+    /// asked where the lattice has fewer samples on it, or they cannot be loaded sixteen at a time. False if the
+    /// ends are not both samples.
     fn line(&self, edge: usize, values: &mut [f64]) -> bool;
 
-    /// The normal so many edge lengths from the middle of an edge.
+    /// The normal so many edge lengths from the middle of an edge: asked where a sample that it depends on is
+    /// missing, or its gradient is not tame.
     fn normal(&self, edge: usize, delta: f64) -> [f32; 3];
 }
 
@@ -257,8 +259,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
         let (mut is_odd, mut lacking) = (0, None);
         if batch.is_inner != u16::MAX || pairs > 2 {
             let (along, size) = self.along(wide, &batch);
-            let found = Lacking::new(wide, pairs as u32, along, size);
             is_odd = batch.is_outside | wide.less(size, wide.u32(HELD as u32)).bits();
+            let found = Lacking::new(wide, pairs as u32, wide.mask(!is_odd), along, size);
             if found.any != 0 {
                 begin = found.moved(wide, begin, step);
                 // Samples are as many slices farther in as are lacking.
@@ -286,9 +288,10 @@ impl<T: Lane> Kernel<'_, '_, T> {
             }
         }
         for (value, number) in values.iter_mut().zip(numbers) {
-            // SAFETY: all samples on the lines of the edges that are left are there, or as many farther in. Four bytes
-            // can be read from each on: of inner edges they have both neighbours across, of others that was
-            // looked at. The farthest is as many slices away as there are pairs, or so many as was asked.
+            // SAFETY: of the edges that are left both ends are samples, and so are the others on their lines: there are as
+            // many as are held, or more, and those that would not be are moved in. Four bytes can be read from each
+            // on: that was looked at, or all have both neighbours across. The farthest is as many slices away as
+            // there are pairs, or twice as many less one where that was asked.
             let sample = unsafe { wide.near(self.samples, slice, number) };
             wide.store_f64(self.above_iso(wide, sample), value);
         }

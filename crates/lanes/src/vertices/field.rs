@@ -104,8 +104,8 @@ impl Field {
     /// same number. Then [`world`](Self::world) adds to one product with an index this and products with 0, and
     /// is found without those, to the last bit.
     pub(super) fn starts(&self) -> Option<[f64; 3]> {
-        let Self { columns, origin, .. } = self;
-        // No index is negative, so a product with 0 has the sign of that 0.
+        let Self { columns, origin, first_slice, .. } = self;
+        // No edge that is placed has a negative index, so a product with 0 has the sign of that 0.
         let starts =
             [columns[1][0] + (columns[2][0] + origin[0]), columns[2][1] + origin[1], origin[2]];
         let others = [[1, 0], [2, 0], [2, 1], [0, 1], [0, 2], [1, 2]];
@@ -114,7 +114,8 @@ impl Field {
         let is_kept = |&[axis, k]: &[usize; 2]| {
             starts[k].to_bits() != (-0.0_f64).to_bits() || columns[axis][k].is_sign_negative()
         };
-        (are_zero && others[3..].iter().all(is_kept)).then_some(starts)
+        let is_short = are_zero && *first_slice >= 0.0 && others[3..].iter().all(is_kept);
+        is_short.then_some(starts)
     }
 
     /// Where crossings so far from the middle of their edges are in world space. The numbers of the lower ends
@@ -167,7 +168,7 @@ impl Field {
 mod tests {
     use super::Field;
     use crate::{
-        Level, Samples,
+        Edges, Level, Samples,
         vertices::{
             Vertices,
             tests::{Chance, FIELD, edges},
@@ -175,40 +176,37 @@ mod tests {
         },
     };
 
-    /// A lattice along the axes, and signs of those of its numbers that are 0: off the diagonal, and of the origin.
-    fn lattice(sizes: [f64; 3], off: [[f64; 3]; 3], origin: [f64; 3]) -> Field {
+    /// A lattice along the axes, whose numbers off the diagonal are 0 and −0.
+    fn lattice(sizes: [f64; 3], off: [[f64; 3]; 3], origin: [f64; 3], first_slice: f64) -> Field {
         let mut columns = off;
         for (k, size) in sizes.into_iter().enumerate() {
             columns[k][k] = size;
         }
-        Field { columns, origin, first_slice: 0.0, slope: 1.0, intercept: 0.0, ..FIELD }
+        Field { columns, origin, first_slice, slope: 1.0, intercept: 0.0, ..FIELD }
     }
 
-    /// Whether a lattice is placed by one index each; all of it is where [`Field::world`] says, to the last bit.
-    fn is_short(field: &Field) -> bool {
-        let (dims, mut chance) = ([5, 4, 3], Chance(7));
+    /// Whether a lattice is placed by one index each; all edges are where [`Field::world`] says, to the last bit.
+    fn is_short(field: &Field, all_edges: &[Edges]) -> bool {
         let all: Vec<u8> = (0..60).map(|n| ((n % 5 + n / 5 % 4 + n / 20) % 2) as u8).collect();
-        let samples = Samples::new(&all, 0, [1, 5, 20], dims).unwrap();
-        for z in 0..2 {
-            let place = |_| (chance.below(3) as usize, [chance.below(4), chance.below(3)]);
-            let list: Vec<_> = (0..50).map(place).collect();
-            for &level in Level::available() {
-                let (edges, mut positions) = (edges(level, &list, z), vec![[0.0_f64; 3]; 50]);
-                let out =
-                    Vertices { positions: &mut positions, normals: None, odd: &mut Vec::new() };
-                vertices_at(level, &samples, field, &edges, out);
-                for (n, found) in positions.into_iter().enumerate() {
-                    let (axis, low) = edges.get(n);
-                    let mut ijk = low.map(f64::from);
-                    let value = |end: u32| {
-                        let at = [0, 1, 2].map(|k| low[k] + if k == axis { end } else { 0 });
-                        f64::from(all[(at[0] + 5 * at[1] + 20 * at[2]) as usize]) - field.iso
-                    };
-                    let (a, b) = (value(0), value(1));
-                    ijk[axis] = ijk[axis] + 0.5 + (a + b) / (a - b) * 0.5;
-                    let expected = field.world(ijk).map(f64::to_bits);
-                    assert_eq!(found.map(f64::to_bits), expected, "{level}: {field:?}, {ijk:?}");
-                }
+        let samples = Samples::new(&all, 0, [1, 5, 20], [5, 4, 3]).unwrap();
+        for (edges, &level) in
+            all_edges.iter().flat_map(|edges| Level::available().iter().map(move |l| (edges, l)))
+        {
+            let mut positions = vec![[0.0_f64; 3]; edges.len()];
+            let out = Vertices { positions: &mut positions, normals: None, odd: &mut Vec::new() };
+            vertices_at(level, &samples, field, edges, out);
+            for (n, found) in positions.into_iter().enumerate() {
+                let (axis, low) = edges.get(n);
+                let value = |end: u32| {
+                    let at = [0, 1, 2].map(|k| low[k] + if k == axis { end } else { 0 });
+                    f64::from(all[(at[0] + 5 * at[1] + 20 * at[2]) as usize]) - field.iso
+                };
+                let (a, b) = (value(0), value(1));
+                let mut ijk = low.map(f64::from);
+                ijk[2] += field.first_slice;
+                ijk[axis] = ijk[axis] + 0.5 + (a + b) / (a - b) * 0.5;
+                let expected = field.world(ijk).map(f64::to_bits);
+                assert_eq!(found.map(f64::to_bits), expected, "{level}: {field:?}, {ijk:?}");
             }
         }
         field.starts().is_some()
@@ -216,24 +214,34 @@ mod tests {
 
     #[test]
     fn lattices_along_the_axes_are_placed_as_all_others_whatever_the_sign_of_what_is_0() {
+        let mut chance = Chance(7);
+        let all_edges = [0, 1].map(|z| {
+            let place = |_| (chance.below(3) as usize, [chance.below(4), chance.below(3)]);
+            edges(Level::Portable, &(0..50).map(place).collect::<Vec<_>>(), z)
+        });
+        let is_short = |field: &Field| is_short(field, &all_edges);
         let (mut short, mut count) = (0, 0);
         for signs in 0..1 << 12 {
             let sign = |n: usize| if signs >> n & 1 == 1 { -1.0 } else { 1.0 };
             let off = [[0.0, sign(0), sign(1)], [sign(2), 0.0, sign(3)], [sign(4), sign(5), 0.0]];
             let origin = [sign(6) * 0.0, sign(7) * 0.0, sign(8) * 0.0];
             let sizes = [0.9 * sign(9), 1.7 * sign(10), 0.3 * sign(11)];
-            short +=
-                usize::from(is_short(&lattice(sizes, off.map(|o| o.map(|x| x * 0.0)), origin)));
+            let off = off.map(|column| column.map(|sign| sign * 0.0));
+            let first_slice = [0.0, 7.0, -1.0][signs % 3];
+            let found = is_short(&lattice(sizes, off, origin, first_slice));
+            assert!(!found || first_slice >= 0.0);
+            short += usize::from(found);
             count += 1;
         }
         assert!(short > count / 4 && short < count, "{short} of {count}");
         for sizes in [[1.0; 3], [-0.5, -0.5, 2.0], [1e-3, -7.0, 1e5]] {
             let zeros = [[0.0; 3]; 3];
-            assert!(is_short(&lattice(sizes, zeros, [-3.25, 1e7, 0.1])));
+            assert!(is_short(&lattice(sizes, zeros, [-3.25, 1e7, 0.1], 7.0)));
             // An axis that is turned around turns all of its zeros around.
             let turned = sizes.map(|size| 0.0_f64.copysign(size));
-            assert!(is_short(&lattice(sizes, [turned; 3], turned)));
-            assert!(!is_short(&lattice(sizes, [[0.0, 0.0, 1e-9], [0.0; 3], [0.0; 3]], [0.0; 3])));
+            assert!(is_short(&lattice(sizes, [turned; 3], turned, 0.0)));
+            let sheared = [[0.0, 0.0, 1e-9], [0.0; 3], [0.0; 3]];
+            assert!(!is_short(&lattice(sizes, sheared, [0.0; 3], 0.0)));
         }
         assert_eq!(FIELD.starts(), None);
     }

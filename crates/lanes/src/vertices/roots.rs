@@ -4,6 +4,8 @@
 //! order, so that the bits are the same, and says why. The roots that this way does not find, fewer than
 //! one in a thousand, are left to the caller.
 //!
+//! What does not go well becomes NaN, of which no comparison holds: so it is not found, and no mask is kept.
+//!
 //! Each operation needs what the one before gives. So the way is taken in stages, each by several batches in turn:
 //! a stage is short enough for the machine to work at some batches at once.
 
@@ -68,11 +70,11 @@ impl Roots<'_> {
 pub(super) struct Search {
     fall: [f32; BATCH],
     c: [[f32; BATCH]; 5],
-    /// One over the rise.
+    /// One over the rise; NaN where that is not tame.
     scale: [f32; BATCH],
     /// The place.
     s: [f32; BATCH],
-    /// One over the slope near there; NaN where the search did not go well, or the rise is not tame.
+    /// One over the slope near there; NaN where the search did not go well.
     factor: [f32; BATCH],
     /// If an end is the isovalue anywhere, between what all roots lie: there both are that end.
     between: [[f32; BATCH]; 2],

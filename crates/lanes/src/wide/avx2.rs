@@ -161,13 +161,6 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    fn i32_to_f64(self, numbers: U32) -> F64 {
-        let parts = quarters(self, numbers.0);
-        // SAFETY: there is a token.
-        F64(unsafe { four!(N => _mm256_cvtepi32_pd(parts[N])) })
-    }
-
-    #[inline(always)]
     fn u32_to_f64(self, numbers: U32) -> F64 {
         // SAFETY: there is a token.
         unsafe {
@@ -176,6 +169,13 @@ impl Wide for Avx2 {
             let back = _mm256_set1_pd(-f64::from(MIDDLE));
             F64(four!(N => _mm256_add_pd(_mm256_cvtepi32_pd(signed[N]), back)))
         }
+    }
+
+    #[inline(always)]
+    fn i32_to_f64(self, numbers: U32) -> F64 {
+        let parts = quarters(self, numbers.0);
+        // SAFETY: there is a token.
+        F64(unsafe { four!(N => _mm256_cvtepi32_pd(parts[N])) })
     }
 
     #[inline(always)]
@@ -247,7 +247,7 @@ impl Wide for Avx2 {
             // of the exact type of f64, which is `T`.
             return unsafe { transmute_copy(&gather_f64(self, base.cast(), at)) };
         }
-        // SAFETY: the four bytes from each number on lie in the slice, as `Samples::is_near` says.
+        // SAFETY: the four bytes from each number on lie in the slice, as the caller says.
         exact::<T>(self, unsafe { gather(self, base, at) })
     }
 

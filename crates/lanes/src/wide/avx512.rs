@@ -217,7 +217,7 @@ impl Wide for Avx512 {
             // of the exact type of f64, which is `T`.
             return unsafe { transmute_copy(&gather_f64(self, base.cast(), at)) };
         }
-        // SAFETY: the four bytes from each number on lie in the slice, as `Samples::is_near` says.
+        // SAFETY: the four bytes from each number on lie in the slice, as the caller says.
         exact::<T>(self, unsafe { singly(self, base, at) })
     }
 

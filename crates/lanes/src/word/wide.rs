@@ -193,7 +193,7 @@ fn each(mut wanted: u8) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Goes through the words of rows, a pack at a time, and leaves out what is blank.
+/// Goes through the words of rows, a pack at a time, and leaves out nearly all that is blank.
 ///
 /// Rows lie one behind another, so a pack may be of several rows. Only the words of the last row of
 /// all are taken apart: it has no next row.
@@ -261,7 +261,7 @@ impl<'a, P: Pack> Groups<'a, P> {
         }
     }
 
-    /// The next words of which one is not blank; behind the last cell of a row or of all, all may be.
+    /// The next words of which one is not blank. Where a row ends, and in rows without cells, all of them may be.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Group<P>> {
         loop {

@@ -1,18 +1,18 @@
 //! Lines that lead over the border, and are continued there.
 //!
-//! The missing samples are those of the polynomial through the nearest ones, as many as the line has places here: one
-//! after another, each by those behind it, as `line.rs` of `volume` does it for one line, with the same bits. So all
-//! samples of such a line are loaded from farther in, and values change their places.
+//! The missing samples are those of the polynomial through the nearest ones, as many as the stencil has: one after
+//! another, each by those behind it, as `line.rs` of `volume` does it for one line, with the same bits. So all samples
+//! of such a line are loaded from farther in, and values change their places.
 
 use super::MOST;
 use crate::wide::{BATCH, Mask, Wide};
 
-/// The most values that one is continued from.
+/// The most values that one is continued from: `volume` has stencils of so many, here six are the most.
 const MOST_HELD: usize = 7;
 
 /// For each number of values the factors of all of them in the value before the first: the difference of as high
 /// an order as there are values is 0.
-pub const BEFORE: [[f64; MOST_HELD]; MOST_HELD + 1] = {
+pub const ONE_BEFORE: [[f64; MOST_HELD]; MOST_HELD + 1] = {
     let mut factors = [[0.0; MOST_HELD]; MOST_HELD + 1];
     let mut held = 1;
     while held <= MOST_HELD {
@@ -37,15 +37,16 @@ pub(super) struct Lacking<W: Wide> {
 }
 
 impl<W: Wide> Lacking<W> {
-    /// Given are the places of the lower ends on lines of so many samples, of which there are as many as stencils
-    /// of so many pairs have, or more.
+    /// For stencils of so many pairs, of the `usable` lines, which have as many samples or more. Given are the places
+    /// of the lower ends on their lines, and how many samples there are.
     #[inline(always)]
-    pub(super) fn new(wide: W, pairs: u32, along: W::U32, size: W::U32) -> Self {
+    pub(super) fn new(wide: W, pairs: u32, usable: W::Mask, along: W::U32, size: W::U32) -> Self {
         let none = wide.mask(0);
         let (mut before, mut behind, mut any) = ([none; 2], [none; 2], none);
         for n in 0..pairs - 1 {
-            let is_before = wide.less(along, wide.u32(pairs - 1 - n));
-            let is_behind = wide.less(size + wide.u32(n.wrapping_sub(1)), along + wide.u32(pairs));
+            let is_before = usable & wide.less(along, wide.u32(pairs - 1 - n));
+            let last = size + wide.u32(n.wrapping_sub(1));
+            let is_behind = usable & wide.less(last, along + wide.u32(pairs));
             (before[n as usize], behind[n as usize]) = (is_before, is_behind);
             any = any | is_before | is_behind;
         }
@@ -88,7 +89,7 @@ fn continued<W: Wide, const HELD: usize>(
 ) {
     let mut before = wide.f64(0.0);
     for n in 0..HELD {
-        before = before + wide.f64(BEFORE[HELD][n]) * wide.load_f64(&values[n]);
+        before = before + wide.f64(ONE_BEFORE[HELD][n]) * wide.load_f64(&values[n]);
     }
     for value in &mut values[..HELD] {
         let own = wide.load_f64(value);

@@ -1,6 +1,6 @@
 //! Every level against the portable one, whose bits `marching-cubes` compares with those of one at a time.
 
-use super::{BEFORE, Curve, Gradient, OneByOne, Vertices, curved_vertices_at};
+use super::{Curve, Gradient, ONE_BEFORE, OneByOne, Vertices, curved_vertices_at};
 use crate::{
     Edges, Lane, Level, Samples,
     vertices::{
@@ -181,7 +181,7 @@ fn leave_the_lattice(curve: Curve) {
         for first in lines.map(at) {
             let (size, step) = (dims[axis], strides[axis]);
             let count = held.min(size);
-            let factors: Vec<i32> = BEFORE[count][..count].iter().map(|&f| f as i32).collect();
+            let factors: Vec<i32> = ONE_BEFORE[count][..count].iter().map(|&f| f as i32).collect();
             for n in 1..=beyond {
                 let last = first + (size - 1) * step;
                 let sum = |place: &dyn Fn(usize) -> usize| -> i32 {
@@ -228,6 +228,30 @@ fn leave_the_lattice(curve: Curve) {
             let found = place(&samples, &inside, &index);
             assert_eq!(found, place(&around, &moved, &back), "{level}, {curve:?}");
             assert!(found.1.len() < list.len() / 2, "{} are odd", found.1.len());
+        }
+    }
+}
+
+#[test]
+fn lines_are_continued_only_where_no_sample_is_so_far_away_that_its_number_wraps() {
+    // Slices so far apart that numbers of samples fit for two, not for three; what is between is never written.
+    let (dims, apart) = ([4_usize; 3], 800_000_000_usize);
+    let mut all = vec![0_u8; 3 * apart + 16];
+    let mut chance = Chance(9);
+    for n in 0..64 {
+        all[n % 16 + n / 16 * apart] = chance.next() as u8;
+    }
+    let samples = Samples::new(&all, 0, [1, 4, apart as isize], dims).unwrap();
+    assert!(samples.is_near(2) && !samples.is_near(3));
+    for z in 0..3 {
+        let list: Vec<_> = (0..16).map(|n| (2, [n % 4, n / 4])).collect();
+        let edges = edges(Level::Portable, &list, z);
+        for &level in Level::available() {
+            let (mut positions, mut odd) = (vec![[0.0_f32; 3]; 16], vec![]);
+            let out = Vertices { positions: &mut positions, normals: None, odd: &mut odd };
+            let (told, made) = (Told(|_, _: &mut [f64]| false), (Curve::Cubic, Gradient::Central));
+            curved_vertices_at(level, (&samples, &FIELD), made, &edges, &told, out);
+            assert!(if z == 1 { odd.len() < 4 } else { odd.len() == 16 }, "{level}: {odd:?}");
         }
     }
 }

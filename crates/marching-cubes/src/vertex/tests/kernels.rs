@@ -20,19 +20,27 @@ impl Chance {
 
 /// Waves and chance from about −2 to 2, and as much more as the noise is.
 fn waves(noise: f64, seed: u64) -> impl FnMut(usize) -> f64 {
+    waves_of([N; 3], noise, seed)
+}
+
+fn waves_of([nx, ny, _]: [usize; 3], noise: f64, seed: u64) -> impl FnMut(usize) -> f64 {
     let mut chance = Chance(seed);
     move |n| {
-        let [x, y, z] = [n % N, n / N % N, n / N / N].map(|i| i as f64);
+        let [x, y, z] = [n % nx, n / nx % ny, n / nx / ny].map(|i| i as f64);
         (x * 0.9 + 0.3).sin() + (y * 0.7 + z * 0.5).cos() + noise * chance.next()
     }
 }
 
 fn volume<T: Sample>(sample: impl FnMut(usize) -> T) -> Volume<T> {
+    volume_of([N; 3], sample)
+}
+
+fn volume_of<T: Sample>(dims: [usize; 3], sample: impl FnMut(usize) -> T) -> Volume<T> {
     let columns = [[0.5, 0.1, 0.0], [0.2, 0.7, 0.0], [0.1, -0.9, 2.5]];
     let index_to_world = Affine::new(columns, [3.0, -7.0, 0.5]).unwrap();
     let frame = Frame { index_to_world, ..Frame::default() };
-    let grid = Grid::new([N as u64; 3], frame).unwrap();
-    Volume::new(grid, (0..N * N * N).map(sample).collect::<Vec<T>>()).unwrap()
+    let grid = Grid::new(dims.map(|n| n as u64), frame).unwrap();
+    Volume::new(grid, (0..dims.iter().product()).map(sample).collect::<Vec<T>>()).unwrap()
 }
 
 /// Cut edges that are placed, those of them that the curve moved, and those whose matching normal is another.
@@ -46,17 +54,22 @@ struct Seen {
 /// Asserts that rows of edges along all axes, up to the border, are placed as one by one.
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen {
     let mut seen = Seen::default();
+    let [nx, ny, nz] = volume.view().dims();
+    // All rows, those next to the border too, or of large lattices so many that each y is there, and each z.
+    let rows: Vec<[usize; 2]> = match ny * nz < 100 {
+        true => (0..ny * nz).map(|n| [n % ny, n / ny]).collect(),
+        false => (0..ny).map(|y| [y, y * 5 % nz]).collect(),
+    };
     let ways = [(0.0, Gradient::Matching), (0.01, Gradient::Matching), (0.01, Gradient::Central)];
     for (margin, gradient) in ways {
         let options = ExtractOptions::DEFAULT.with_placement(placement).with_gradient(gradient);
         let placer = Placer::new(volume.view(), iso, margin, 2.0).with_options(&options);
-        for (axis, yz) in (0..3).flat_map(|axis| (0..N as u32).map(move |yz| (axis, yz))) {
+        for (axis, [y, z]) in (0..3).flat_map(|axis| rows.iter().map(move |row| (axis, *row))) {
             let mut edges = Edges::default();
-            // All slices, and all rows, those next to the border too.
-            edges.begin(yz * 5 % N as u32);
-            let last = N - usize::from(axis == 0);
+            edges.begin(z as u32);
+            let last = nx - usize::from(axis == 0);
             let cuts = [(1 << last) - 1; 8];
-            edges.push(&[axis], [0, yz], &[Word { cuts, ..Word::default() }]);
+            edges.push(&[axis], [0, y as u32], &[Word { cuts, ..Word::default() }]);
             let (mut alone, mut places) = ([[0.0_f64; 3]; N], [[0.0_f64; 3]; N]);
             let mut normals = [[0.0; 3]; N];
             let (places, alone) = (&mut places[..last], &mut alone[..last]);
@@ -108,6 +121,22 @@ fn vertices_made_sixteen_at_a_time_have_the_bits_of_one_by_one() {
     compare(|value| value as i32, [6e8, 1e7]);
     compare(|value| value as f32, [1.0, 0.1]);
     compare(|value| value, [1.0, 0.1]);
+}
+
+#[test]
+fn and_on_lines_of_few_samples() {
+    for (length, axis) in (2..=8).flat_map(|length| (0..3).map(move |axis| (length, axis))) {
+        let mut dims = [9, 8, 10];
+        dims[axis] = length;
+        let mut placed = 0;
+        for placement in [Placement::Cubic, Placement::Quintic] {
+            let (mut value, mut other) = (waves_of(dims, 0.3, 6), waves_of(dims, 0.3, 7));
+            let whole = volume_of(dims, |n| (value(n) * 40.0 + 128.0) as u8);
+            placed += check(&whole, 131.3, placement).placed;
+            placed += check(&volume_of(dims, |n| other(n) as f32), 0.1, placement).placed;
+        }
+        assert!(placed > 500, "{placed} of {dims:?}");
+    }
 }
 
 #[test]
