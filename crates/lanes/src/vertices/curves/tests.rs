@@ -54,10 +54,24 @@ fn placed<T: Lane>(
     ((0..count).map(bits).collect(), odd)
 }
 
-/// Whether an edge is in the lattice, and on its line as many samples as the curve goes through.
-fn has_line(dims: [u32; 3], (axis, low): (usize, [u32; 3]), samples: u32) -> bool {
+/// Whether an edge is in the lattice, and on its line as many samples as the curve goes through, of which the nearest
+/// are not so near to the end of memory that four bytes cannot be read from them on.
+fn has_line<T: Lane>(
+    samples: &Samples<'_, T>,
+    (axis, low): (usize, [u32; 3]),
+    on_line: u32,
+) -> bool {
+    let (dims, strides) = (samples.dims(), samples.strides());
     let is_within = |k: usize| low[k] < dims[k] && low[k] + u32::from(k == axis) < dims[k];
-    (0..3).all(is_within) && dims[axis] >= samples
+    if !(0..3).all(is_within) || dims[axis] < on_line {
+        return false;
+    }
+    let first = (low[axis] + 1).saturating_sub(on_line / 2).min(dims[axis] - on_line);
+    [first, first + on_line - 1].into_iter().all(|end| {
+        let along = |k: usize| i64::from(if k == axis { end } else { low[k] }) * strides[k];
+        let number = samples.first() + along(0) + along(1) + along(2);
+        number as usize * size_of::<T>() + 4 <= size_of_val(samples.all())
+    })
 }
 
 /// The share of edges with a line that are placed, on the curve where fewer are.
@@ -108,7 +122,7 @@ fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, on_line: u32) 
                 assert_eq!(odd, same);
                 for n in 0..edges.len() {
                     let is_odd = odd.contains(&(n as u32));
-                    let has_line = has_line(dims, edges.get(n), on_line);
+                    let has_line = has_line(&samples, edges.get(n), on_line);
                     assert!(has_line || is_odd, "{:?} has no line", edges.get(n));
                     lines += usize::from(has_line);
                     kept += usize::from(!is_odd);
@@ -132,8 +146,7 @@ fn every_level_places_the_same_vertices_on_curves_and_nearly_all() {
         check(|chance| chance.below(1 << 20) as f32 * 0.01),
         check(|chance| f64::from(chance.below(1 << 20)) * 0.01),
     ];
-    // Next to the end of memory four bytes cannot be read from a sample on.
-    assert!(kept.iter().all(|&kept| kept > 0.93), "{kept:?}");
+    assert!(kept.iter().all(|&kept| kept > 0.95), "{kept:?}");
 }
 
 #[test]
