@@ -11,8 +11,9 @@ mod found;
 
 use crate::{
     Lane, Level, Samples,
-    wide::{BATCH, Exact, Float, Mask, Task, Wide, run_at},
+    wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
+pub(crate) use cubic::Look as CubicLook;
 pub use found::{BENT, Facing, Found, SEEN, Table};
 
 /// Straight lines that are followed at a time.
@@ -71,7 +72,7 @@ impl<'a, T: Lane> Between<'a, T> {
         found: &mut Found,
     ) {
         table.check();
-        run_at(level, Look { between: *self, lines, steps, wanted, table, facing, found });
+        T::look(level, Look { between: *self, lines, steps, wanted, table, facing, found });
     }
 
     /// The cells of places, and how far in it each place is, from 0 to 1.
@@ -151,7 +152,7 @@ fn mix<F: Float>(a: F, b: F, share: F) -> F {
 /// The rows of samples through the four edges of cells along x: those before the cell, at its corners, and after it.
 type Rows<W> = [[<W as Wide>::F32; 4]; 4];
 
-struct Look<'b, 'a, T> {
+pub struct Look<'b, 'a, T> {
     between: Between<'a, T>,
     lines: &'b Lines,
     steps: &'b [f64; LINES],

@@ -22,13 +22,16 @@ mod roots;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub(crate) use curves::Loading;
 pub use curves::{Curve, Gradient, ONE_BEFORE, OneByOne, curved_vertices};
 pub use edges::{BLOCK, Edges};
+use field::Places;
 pub use field::{Coordinate, Field};
+pub(crate) use normals::Normals;
 
 use crate::{
     Lane, Level, Samples,
-    wide::{BATCH, Exact, Float, Mask, Task, Wide, run_at},
+    wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
 
 /// The greatest part of a gradient of differences, so that no part of any weight has lost a digit: from 2⁻⁶⁰
@@ -67,10 +70,16 @@ fn vertices_at<T: Lane, C: Coordinate>(
     edges: &Edges,
     out: Vertices<'_, C>,
 ) {
-    run_at(level, Straight { kernel: Kernel::new(samples, field, edges), out });
+    let Vertices { positions, normals, odd } = out;
+    let (kernel, positions) = (Kernel::new(samples, field, edges), C::places(positions));
+    assert_eq!(positions.len(), edges.len(), "room for every vertex");
+    if let Some(normals) = &normals {
+        assert_eq!(normals.len(), edges.len(), "room for every normal");
+    }
+    T::place(level, Straight { kernel, positions, normals, odd });
 }
 
-struct Kernel<'b, 'a, T> {
+pub struct Kernel<'b, 'a, T> {
     samples: &'b Samples<'a, T>,
     field: &'b Field,
     /// Those of the field.
@@ -82,15 +91,36 @@ struct Kernel<'b, 'a, T> {
 }
 
 /// All vertices of linear interpolation.
-struct Straight<'k, 'b, 'a, T, C> {
+pub struct Straight<'k, 'b, 'a, T> {
     kernel: Kernel<'b, 'a, T>,
-    out: Vertices<'k, C>,
+    positions: Places<'k>,
+    normals: Option<&'k mut [[f32; 3]]>,
+    odd: &'k mut Vec<u32>,
 }
 
-impl<T: Lane, C: Coordinate> Task for Straight<'_, '_, '_, T, C> {
+impl<T: Lane> Task for Straight<'_, '_, '_, T> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        self.kernel.run(wide, self.out);
+        let Self { kernel, mut positions, mut normals, odd } = self;
+        let count = kernel.edges.len();
+        let mut directions = [[0.0; 3]; BATCH];
+        for first in (0..count).step_by(BATCH) {
+            let own = BATCH.min(count - first);
+            let normals_to = normals.as_mut().map(|all| {
+                // The last batch may have less room than it has numbers.
+                all[first..].first_chunk_mut().unwrap_or(&mut directions)
+            });
+            let is_odd = kernel.batch(wide, first, &mut positions, normals_to);
+            let mut left = is_odd & (u16::MAX >> (BATCH - own));
+            while left != 0 {
+                odd.push(first as u32 + left.trailing_zeros());
+                left &= left - 1;
+            }
+        }
+        if let Some(normals) = normals {
+            let rest = normals.as_chunks_mut::<BATCH>().1;
+            rest.copy_from_slice(&directions[..rest.len()]);
+        }
     }
 }
 
@@ -102,45 +132,13 @@ impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
         Self { samples, field, directions, starts, is_scaled, edges }
     }
 
-    #[inline(always)]
-    fn run<C: Coordinate>(&self, wide: impl Wide, out: Vertices<'_, C>) {
-        let Vertices { positions, mut normals, odd } = out;
-        assert_eq!(positions.len(), self.edges.len(), "room for every vertex");
-        let mut places = [[C::default(); 3]; BATCH];
-        let mut directions = [[0.0; 3]; BATCH];
-        for (number, positions) in positions.chunks_mut(BATCH).enumerate() {
-            let (first, own) = (number * BATCH, positions.len());
-            let normals = normals.as_mut().map(|all| &mut all[first..first + own]);
-            // The last batch may have less room than it has numbers.
-            let is_whole = own == BATCH;
-            let to = if is_whole { positions.first_chunk_mut() } else { None };
-            let (is_wanted, normals_to) = match (normals, is_whole) {
-                (None, _) => (false, None),
-                (Some(normals), true) => (true, normals.first_chunk_mut()),
-                (Some(_), false) => (true, None),
-            };
-            let normals_to = is_wanted.then(|| normals_to.unwrap_or(&mut directions));
-            let is_odd = self.batch(wide, first, to.unwrap_or(&mut places), normals_to);
-            let mut left = is_odd & (u16::MAX >> (BATCH - own));
-            while left != 0 {
-                odd.push(first as u32 + left.trailing_zeros());
-                left &= left - 1;
-            }
-        }
-        let (whole, rest) = positions.as_chunks_mut::<BATCH>();
-        rest.copy_from_slice(&places[..rest.len()]);
-        if let Some(normals) = normals {
-            normals[whole.len() * BATCH..].copy_from_slice(&directions[..rest.len()]);
-        }
-    }
-
     /// The vertices of the batch that begins with edge `first`; the bits of those that are odd.
     #[inline(always)]
-    fn batch<C: Coordinate, W: Wide>(
+    fn batch<W: Wide>(
         &self,
         wide: W,
         first: usize,
-        positions: &mut [[C; 3]; BATCH],
+        positions: &mut Places<'_>,
         normals: Option<&mut [[f32; 3]; BATCH]>,
     ) -> u16 {
         let batch = self.ends(wide, first);
@@ -150,7 +148,7 @@ impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
         let delta = (a + b) / difference * half;
         let delta = delta.max(wide.f64(-reach)).min(wide.f64(reach));
         let places = self.field.places(wide, self.starts, batch.axis, batch.low, delta);
-        C::write(wide, places, positions);
+        positions.write(wide, first, places);
         let infinite = wide.f64(f64::INFINITY);
         let is_finite = difference.less(infinite) & wide.f64(f64::NEG_INFINITY).less(difference);
         let mut is_odd = batch.is_outside | !is_finite.bits();

@@ -8,7 +8,7 @@
 use super::{Between, Cells, Facing, Found, LINES, Lines, Table};
 use crate::{
     Lane, Level,
-    wide::{Exact, Float, Mask, Task, Wide, run_at},
+    wide::{Exact, Float, Mask, Task, Wide},
 };
 
 impl<T: Lane> Between<'_, T> {
@@ -43,7 +43,7 @@ impl<T: Lane> Between<'_, T> {
         let mut left = wanted;
         let (between, left_out) = (*self, &mut left);
         match facing {
-            None => run_at(
+            None => T::look_cubic(
                 level,
                 Look::<T, false> {
                     between,
@@ -55,7 +55,7 @@ impl<T: Lane> Between<'_, T> {
                     left: left_out,
                 },
             ),
-            Some(facing) => run_at(
+            Some(facing) => T::look_cubic_facing(
                 level,
                 Look::<T, true> { between, lines, steps, table, facing, found, left: left_out },
             ),
@@ -64,7 +64,7 @@ impl<T: Lane> Between<'_, T> {
     }
 }
 
-struct Look<'b, 'a, T, const WITH_GRADIENT: bool> {
+pub struct Look<'b, 'a, T, const WITH_GRADIENT: bool> {
     between: Between<'a, T>,
     lines: &'b Lines,
     steps: &'b [f64; LINES],

@@ -10,10 +10,10 @@
 //! values which are not finite, or a root that is hard to find, are called odd and left to the caller.
 
 use super::{
-    Field, Kernel, Vertices,
+    Field, Kernel, Places, Vertices,
     around::Batch,
     normals::Normals,
-    roots::{Roots, Search},
+    roots::{Roots, Search, find_roots},
 };
 use crate::{
     Coordinate, Edges, Lane, Level, Samples,
@@ -108,7 +108,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
     for (turn, positions) in positions.chunks_mut(TURN * BATCH).enumerate() {
         let (first, count) = (turn * TURN * BATCH, positions.len());
         let batches = count.div_ceil(BATCH);
-        run_at(level, Loading { kernel: &kernel, first, pairs, lines: &mut lines[..batches] });
+        T::load(level, Loading { kernel: &kernel, first, pairs, lines: &mut lines[..batches] });
         let with_odd = |(_, line): &(usize, &mut Line)| line.is_odd != 0;
         for (number, line) in lines[..batches].iter_mut().enumerate().filter(with_odd) {
             let at = number * BATCH;
@@ -122,10 +122,10 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         }
         let held = &mut lines[..batches];
         let searches = &mut searches[..];
-        run_at(level, Roots { lines: held, searches, pairs, reach: field.reach });
+        find_roots(level, Roots { lines: held, searches, pairs, reach: field.reach });
         let lines = &lines[..batches];
-        let starts = kernel.starts;
-        run_at(level, Placing { field, starts, edges, first, lines, positions });
+        let (starts, positions) = (kernel.starts, C::places(positions));
+        place(level, Placing { field, starts, edges, first, lines, positions });
         for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.is_odd != 0) {
             let at = first + number * BATCH;
             odd.extend(set_bits(line.is_odd, edges.len() - at).map(|n| (at + n) as u32));
@@ -135,7 +135,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let mut left = [0; TURN];
         let kernel = &kernel;
         let left_here = &mut left;
-        run_at(level, Normals { kernel, first, gradient, pairs, lines, normals, left: left_here });
+        T::turn(level, Normals { kernel, first, gradient, pairs, lines, normals, left: left_here });
         for (number, line) in lines.iter().enumerate() {
             let at = number * BATCH;
             for n in set_bits(left[number] & !line.is_odd, count - at) {
@@ -184,7 +184,7 @@ pub(super) struct Stencil<W: Wide> {
 }
 
 /// Loads the values of the batches from edge `first` on.
-struct Loading<'l, 'b, 'a, T> {
+pub struct Loading<'l, 'b, 'a, T> {
     kernel: &'l Kernel<'b, 'a, T>,
     first: usize,
     pairs: usize,
@@ -206,33 +206,30 @@ impl<T: Lane> Task for Loading<'_, '_, '_, T> {
 }
 
 /// Makes the places of the batches from edge `first` on.
-struct Placing<'l, C> {
+struct Placing<'l> {
     field: &'l Field,
     starts: Option<[f64; 3]>,
     edges: &'l Edges,
     first: usize,
     lines: &'l [Line],
-    positions: &'l mut [[C; 3]],
+    positions: Places<'l>,
 }
 
-impl<C: Coordinate> Task for Placing<'_, C> {
+/// Does the task with the instructions of a level, compiled here and not anew wherever edges are placed.
+fn place(level: Level, placing: Placing<'_>) {
+    run_at(level, placing);
+}
+
+impl Task for Placing<'_> {
     #[inline(always)]
-    fn run<W: Wide>(self, wide: W) {
+    fn run<W: Wide>(mut self, wide: W) {
         let z = wide.u32(self.edges.z());
         for (number, line) in self.lines.iter().enumerate() {
             let [axis, x, y] = self.edges.batch(self.first + number * BATCH);
             let low = [wide.load(x), wide.load(y), z];
             let delta = wide.load_f64(&line.delta);
             let places = self.field.places(wide, self.starts, wide.load(axis), low, delta);
-            let out = &mut self.positions[number * BATCH..];
-            match out.first_chunk_mut() {
-                Some(out) => C::write(wide, places, out),
-                None => {
-                    let mut all = [[C::default(); 3]; BATCH];
-                    C::write(wide, places, &mut all);
-                    out.copy_from_slice(&all[..out.len()]);
-                }
-            }
+            self.positions.write(wide, number * BATCH, places);
         }
     }
 }

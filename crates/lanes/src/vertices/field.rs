@@ -3,7 +3,7 @@
 use crate::wide::{BATCH, Wide};
 
 /// A type of coordinate in the output: `f32` or `f64`.
-pub trait Coordinate: Copy + Default + Send + sealed::Write {
+pub trait Coordinate: Copy + Default + Send + sealed::Room {
     /// The coordinate nearest to a value.
     fn round(value: f64) -> Self;
 
@@ -15,11 +15,11 @@ pub trait Coordinate: Copy + Default + Send + sealed::Write {
 }
 
 mod sealed {
-    use super::{BATCH, Wide};
+    use super::Places;
 
-    pub trait Write: Sized {
-        /// Rounds the places of a batch, which come by axis, and writes them vertex by vertex.
-        fn write<W: Wide>(wide: W, places: [W::F64; 3], out: &mut [[Self; 3]; BATCH]);
+    pub trait Room: Sized {
+        /// The room, whatever the type.
+        fn places(room: &mut [[Self; 3]]) -> Places<'_>;
     }
 }
 
@@ -39,10 +39,10 @@ impl Coordinate for f32 {
     }
 }
 
-impl sealed::Write for f32 {
+impl sealed::Room for f32 {
     #[inline(always)]
-    fn write<W: Wide>(wide: W, [x, y, z]: [W::F64; 3], out: &mut [[Self; 3]; BATCH]) {
-        wide.interleave([wide.f64_to_f32(x), wide.f64_to_f32(y), wide.f64_to_f32(z)], out);
+    fn places(room: &mut [[Self; 3]]) -> Places<'_> {
+        Places::Single(room)
     }
 }
 
@@ -62,10 +62,52 @@ impl Coordinate for f64 {
     }
 }
 
-impl sealed::Write for f64 {
+impl sealed::Room for f64 {
     #[inline(always)]
-    fn write<W: Wide>(wide: W, places: [W::F64; 3], out: &mut [[Self; 3]; BATCH]) {
-        wide.interleave_f64(places, out);
+    fn places(room: &mut [[Self; 3]]) -> Places<'_> {
+        Places::Double(room)
+    }
+}
+
+/// Room for places, of either type of coordinate: loops are compiled once for both.
+pub enum Places<'a> {
+    Single(&'a mut [[f32; 3]]),
+    Double(&'a mut [[f64; 3]]),
+}
+
+impl Places<'_> {
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Single(room) => room.len(),
+            Self::Double(room) => room.len(),
+        }
+    }
+
+    /// Rounds the places of a batch, which come by axis, and writes them vertex by vertex, from number `first` on;
+    /// those for which there is no room are left out.
+    #[inline(always)]
+    pub(super) fn write<W: Wide>(&mut self, wide: W, first: usize, [x, y, z]: [W::F64; 3]) {
+        match self {
+            Self::Single(room) => {
+                let places = [wide.f64_to_f32(x), wide.f64_to_f32(y), wide.f64_to_f32(z)];
+                let room = &mut room[first..];
+                let Some(room) = room.first_chunk_mut() else {
+                    let mut all = [[0.0; 3]; BATCH];
+                    wide.interleave(places, &mut all);
+                    return room.copy_from_slice(&all[..room.len()]);
+                };
+                wide.interleave(places, room);
+            }
+            Self::Double(room) => {
+                let room = &mut room[first..];
+                let Some(room) = room.first_chunk_mut() else {
+                    let mut all = [[0.0; 3]; BATCH];
+                    wide.interleave_f64([x, y, z], &mut all);
+                    return room.copy_from_slice(&all[..room.len()]);
+                };
+                wide.interleave_f64([x, y, z], room);
+            }
+        }
     }
 }
 

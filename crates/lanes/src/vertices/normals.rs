@@ -33,7 +33,7 @@ const SLOPES: [[[f64; MOST]; MOST]; 2] = [
 
 /// Makes the normals of the batches from edge `first` on, where their lines are crossed. Those that are no unit
 /// vector are left; matching ones also of edges so near to the border that a slope is one-sided.
-pub(super) struct Normals<'l, 'b, 'a, T> {
+pub struct Normals<'l, 'b, 'a, T> {
     pub(super) kernel: &'l Kernel<'b, 'a, T>,
     pub(super) first: usize,
     pub(super) gradient: Gradient,

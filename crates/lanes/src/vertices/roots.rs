@@ -10,7 +10,10 @@
 //! a stage is short enough for the machine to work at some batches at once.
 
 use super::curves::Line;
-use crate::wide::{BATCH, Float, Mask, Task, Wide};
+use crate::{
+    Level,
+    wide::{BATCH, Float, Mask, Task, Wide, run_at},
+};
 use std::ops::Range;
 
 /// The rises of which no f32 that counts overflows or loses a digit: 2⁻⁶⁰ to 2⁶⁰.
@@ -26,6 +29,11 @@ pub(super) struct Roots<'a> {
     /// Pairs of samples on a line, 2 or 3.
     pub(super) pairs: usize,
     pub(super) reach: f64,
+}
+
+/// Does the task with the instructions of a level, compiled here and not anew wherever edges are placed.
+pub(super) fn find_roots(level: Level, roots: Roots<'_>) {
+    run_at(level, roots);
 }
 
 impl Task for Roots<'_> {
