@@ -35,7 +35,7 @@ macro_rules! loops {
 }
 
 loops!({
-    place(Straight<'_, '_, '_, Self>);
+    place_straight(Straight<'_, '_, '_, Self>);
     load(Loading<'_, '_, '_, Self>);
     turn(Normals<'_, '_, '_, Self>);
     look(Look<'_, '_, Self>);

@@ -49,6 +49,16 @@ pub struct Vertices<'a, C> {
     pub odd: &'a mut Vec<u32>,
 }
 
+impl<C> Vertices<'_, C> {
+    /// Panics unless there is room for exactly so many.
+    fn check(&self, edges: usize) {
+        assert_eq!(self.positions.len(), edges, "room for every vertex");
+        if let Some(normals) = &self.normals {
+            assert_eq!(normals.len(), edges, "room for every normal");
+        }
+    }
+}
+
 /// Places the vertices of edges. An edge whose ends are not both samples is odd.
 ///
 /// # Panics
@@ -70,13 +80,10 @@ fn vertices_at<T: Lane, C: Coordinate>(
     edges: &Edges,
     out: Vertices<'_, C>,
 ) {
+    out.check(edges.len());
     let Vertices { positions, normals, odd } = out;
     let (kernel, positions) = (Kernel::new(samples, field, edges), C::places(positions));
-    assert_eq!(positions.len(), edges.len(), "room for every vertex");
-    if let Some(normals) = &normals {
-        assert_eq!(normals.len(), edges.len(), "room for every normal");
-    }
-    T::place(level, Straight { kernel, positions, normals, odd });
+    T::place_straight(level, Straight { kernel, positions, normals, odd });
 }
 
 pub struct Kernel<'b, 'a, T> {

@@ -95,12 +95,10 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
     (curve, gradient): (Curve, Gradient),
     edges: &Edges,
     one_by_one: &dyn OneByOne,
-    Vertices { positions, mut normals, odd }: Vertices<'_, C>,
+    out: Vertices<'_, C>,
 ) {
-    assert_eq!(positions.len(), edges.len(), "room for every vertex");
-    if let Some(normals) = &normals {
-        assert_eq!(normals.len(), edges.len(), "room for every normal");
-    }
+    out.check(edges.len());
+    let Vertices { positions, mut normals, odd } = out;
     let kernel = Kernel::new(samples, field, edges);
     let pairs = curve.pairs();
     let mut lines = [const { Line::DEFAULT }; TURN];

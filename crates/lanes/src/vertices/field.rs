@@ -76,13 +76,6 @@ pub enum Places<'a> {
 }
 
 impl Places<'_> {
-    pub(super) fn len(&self) -> usize {
-        match self {
-            Self::Single(room) => room.len(),
-            Self::Double(room) => room.len(),
-        }
-    }
-
     /// Rounds the places of a batch, which come by axis, and writes them vertex by vertex, from number `first` on;
     /// those for which there is no room are left out.
     #[inline(always)]
