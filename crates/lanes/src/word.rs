@@ -169,30 +169,24 @@ impl<'a> BitRows<'a> {
     #[inline(always)]
     pub(crate) fn each_word(&self, rows: Range<usize>, mut take: impl FnMut(&Word)) {
         for y in rows {
-            self.each_word_of_run(y, 0..self.words(), &mut take);
-        }
-    }
-
-    /// The same for the words `run` of a row.
-    #[inline(always)]
-    fn each_word_of_run(&self, y: usize, run: Range<usize>, mut take: impl FnMut(&Word)) {
-        let (rows, has_cells) = (self.around(y), self.has_cells(y));
-        for w in run {
-            // Cheap first: in most words all four rows are alike and without a change.
-            let [a, b, c, d] = [rows[0][w], rows[1][w], rows[2][w], rows[3][w]];
-            let alike = ((a ^ b) | (a ^ c) | (a ^ d)) == 0;
-            let next = |row: &[u64]| row.get(w + 1).map_or(a >> 63, |next| next & 1);
-            let goes_on = (a == 0 && rows.iter().all(|row| next(row) == 0))
-                || (a == u64::MAX && rows.iter().all(|row| next(row) == 1));
-            if alike && goes_on {
-                continue;
-            }
-            let mut word = Word { row: y, ..Word::new(rows, w, self.cells(w)) };
-            if !has_cells {
-                word.active = 0;
-            }
-            if !word.is_blank() {
-                take(&word);
+            let (rows, has_cells) = (self.around(y), self.has_cells(y));
+            for w in 0..self.words() {
+                // Cheap first: in most words all four rows are alike and without a change.
+                let [a, b, c, d] = [rows[0][w], rows[1][w], rows[2][w], rows[3][w]];
+                let alike = ((a ^ b) | (a ^ c) | (a ^ d)) == 0;
+                let next = |row: &[u64]| row.get(w + 1).map_or(a >> 63, |next| next & 1);
+                let goes_on = (a == 0 && rows.iter().all(|row| next(row) == 0))
+                    || (a == u64::MAX && rows.iter().all(|row| next(row) == 1));
+                if alike && goes_on {
+                    continue;
+                }
+                let mut word = Word { row: y, ..Word::new(rows, w, self.cells(w)) };
+                if !has_cells {
+                    word.active = 0;
+                }
+                if !word.is_blank() {
+                    take(&word);
+                }
             }
         }
     }
@@ -268,39 +262,5 @@ pub(crate) fn open_words_of_rows_at(
                 out.push(Word { cuts: [0; 8], ..*word });
             }
         }),
-    }
-}
-
-/// Adds the words `run` of a row that hold a crossed cell or a cut edge of the row to `out`.
-///
-/// # Panics
-///
-/// If there is no such row, or there are no such words.
-pub fn words_of_run(bits: &BitRows<'_>, row: usize, run: Range<usize>, out: &mut Vec<Word>) {
-    words_of_run_at(Level::current(), bits, row, run, out);
-}
-
-fn words_of_run_at(
-    level: Level,
-    bits: &BitRows<'_>,
-    row: usize,
-    run: Range<usize>,
-    out: &mut Vec<Word>,
-) {
-    assert!(row < bits.rows() && run.end <= bits.words(), "words {run:?} of row {row}");
-    match level {
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => {
-            level.assert_available();
-            // SAFETY: the machine has the level, asserted above; the function asks nothing else.
-            unsafe { wide::with_avx512::words_of_run(bits, row, run, out) }
-        }
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => {
-            level.assert_available();
-            // SAFETY: as above.
-            unsafe { wide::with_avx2::words_of_run(bits, row, run, out) }
-        }
-        _ => bits.each_word_of_run(row, run, |word| out.push(*word)),
     }
 }

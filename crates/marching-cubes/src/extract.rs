@@ -6,6 +6,7 @@ use crate::{
     fill::Fill,
     layout::{Layout, check_size},
     planes::{Lattice, Planes, Signs},
+    sparse::Choice,
     sweep::{Sweep, Swept},
     tally::{Tally, Whole},
     trilinear::Values,
@@ -118,8 +119,8 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
     }
     on_threads(job, || {
         let mut filled = 0;
-        if let ([iso], [sink], [cases], None) = (isos, &mut *sinks, &cases[..], source.bricks) {
-            match swept(view, *iso, (precision, margin), options, (sink, cases.as_ref()), job)? {
+        if let ([iso], [sink], [cases]) = (isos, &mut *sinks, &cases[..]) {
+            match swept(&source, *iso, (precision, margin), options, (sink, cases.as_ref()), job)? {
                 ControlFlow::Break(extracted) => return Ok(vec![extracted]),
                 ControlFlow::Continue(slices) => filled = slices,
             }
@@ -158,7 +159,7 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
 /// The surface in one sweep, where the sink has memory before it is known how much it takes; or how many slices
 /// are filled.
 fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
-    view: &View<'_, T>,
+    Source { view, bricks }: &Source<'_, T>,
     iso: f64,
     (precision, margin): (Precision, f64),
     options: &ExtractOptions,
@@ -166,16 +167,20 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
     job: &Job,
 ) -> Result<ControlFlow<Extracted, usize>, ExtractError<S::Error>> {
     let lattice = checked(view, &[iso], options)?;
-    let thresholds =
-        Thresholds::new(&[view.scaling().threshold(iso)]).filter(|_| lattice.has_cells());
+    let threshold = [view.scaling().threshold(iso)];
+    let thresholds = Thresholds::new(&threshold).filter(|_| lattice.has_cells());
     let Some(thresholds) = thresholds else { return Ok(ControlFlow::Continue(0)) };
+    let mut stops_at_nan = options.nan != Nan::Outside && !T::DTYPE.is_integer();
+    if let Some(bricks) = bricks {
+        if stops_at_nan && bricks.has_nan() {
+            return Ok(ControlFlow::Continue(0));
+        }
+        stops_at_nan = false;
+    }
+    let choice = bricks.map(|bricks| Choice::new(bricks, &threshold, lattice));
     let sweep = Sweep {
-        signs: Signs {
-            view: *view,
-            lattice,
-            thresholds,
-            stops_at_nan: options.nan != Nan::Outside && !T::DTYPE.is_integer(),
-        },
+        signs: Signs { view: *view, lattice, thresholds, stops_at_nan },
+        choice: choice.as_ref(),
         values: Values::new(*view, iso, lattice.guard).at_hand(),
         decides: options.topology == Topology::Trilinear,
         placer: Placer::new(*view, iso, margin, 0.0).with_options(options),
@@ -207,7 +212,8 @@ fn swept<T: Sample, S: MeshSink<Error: Send> + Send>(
         cases.fit(sink, &view.grid(), job)?;
     }
     let samples_read = view.dims().iter().map(|&n| n as u64).product();
-    let skipped = Skipped { samples_read, ..Skipped::default() };
+    let all = Skipped { samples_read, ..Skipped::default() };
+    let skipped = choice.map_or(all, |choice| choice.skipped);
     Ok(ControlFlow::Break(Extracted { counts, precision, margin, singular_cells, skipped }))
 }
 

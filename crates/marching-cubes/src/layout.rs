@@ -236,14 +236,12 @@ fn words(
     z: usize,
     out: &mut Vec<Word>,
 ) {
-    let bits = planes.inside.slices(z);
-    match &planes.visits {
-        Some(visits) => {
-            out.clear();
-            rows.for_each(|y| visits.words_of_row(&bits, [y, z], out));
-        }
-        None => words_of_rows(&bits, rows, out),
+    let own = planes.rows_of_slice(z);
+    let rows = rows.start.max(own.start)..rows.end.min(own.end);
+    if rows.is_empty() {
+        return out.clear();
     }
+    words_of_rows(&planes.inside.slices(z), rows, out);
     if let Some(live) = live {
         out.iter_mut().for_each(|word| live.restrict(word, z));
     }
@@ -276,17 +274,19 @@ impl Counting<'_> {
         values: Option<&Values<'_, T>>,
         (special, scratch): (&mut SpecialCells, &mut Vec<Word>),
     ) {
-        if self.skips(z) {
+        let rows = self.planes.rows_of_slice(z);
+        if rows.is_empty() {
             return;
         }
-        let (bits, rows) = (self.planes.inside.slices(z), 0..slice.len());
-        match (self.takes_all(), is_counted, values) {
-            (true, true, None) => {}
-            (true, false, None) => count_rows(&bits, rows, slice),
-            (true, true, Some(_)) => open_words_of_rows(&bits, rows, scratch),
-            (true, false, Some(_)) => count_rows_with_open(&bits, rows, slice, scratch),
+        let bits = self.planes.inside.slices(z);
+        let own = &mut slice[rows.clone()];
+        match (self.live, is_counted, values) {
+            (None, true, None) => {}
+            (None, false, None) => count_rows(&bits, rows, own),
+            (None, true, Some(_)) => open_words_of_rows(&bits, rows, scratch),
+            (None, false, Some(_)) => count_rows_with_open(&bits, rows, own, scratch),
             // Such slices are never counted before.
-            (false, ..) => {
+            (Some(_), ..) => {
                 words(self.planes, self.live, rows, z, scratch);
                 count_words(scratch, slice);
             }
@@ -300,31 +300,20 @@ impl Counting<'_> {
 
     /// Counts the vertices along x and y that the rows of slice `z` make, unless all is counted already.
     fn flat(&self, (z, is_counted): (usize, bool), slice: &mut [Row], scratch: &mut Vec<Word>) {
-        if self.skips(z) {
-            return;
-        }
-        let rows = 0..slice.len();
-        match (self.takes_all(), is_counted) {
-            (true, true) => {}
-            (true, false) => {
-                return count_flat_rows(&self.planes.inside.slices(z), rows, slice);
+        let rows = self.planes.rows_of_slice(z);
+        match (self.live, is_counted) {
+            (None, true) => {}
+            (None, false) => {
+                let own = &mut slice[rows.clone()];
+                return count_flat_rows(&self.planes.inside.slices(z), rows, own);
             }
             // Such slices are never counted before.
-            (false, _) => {
+            (Some(_), _) => {
                 words(self.planes, self.live, rows, z, scratch);
                 count_words(scratch, slice);
             }
         }
         slice.iter_mut().for_each(|row| (row.z, row.triangles) = (0, 0));
-    }
-
-    /// Whether every word of a slice counts.
-    fn takes_all(&self) -> bool {
-        self.live.is_none() && self.planes.visits.is_none()
-    }
-
-    fn skips(&self, z: usize) -> bool {
-        self.planes.visits.as_ref().is_some_and(|visits| visits.skips_slice(z))
     }
 }
 

@@ -170,7 +170,7 @@ pub(crate) struct Planes {
     pub(crate) inside: Plane,
     /// Which points have no value; only where those leave a border. The same for every isovalue.
     pub(crate) missing: Option<Arc<Plane>>,
-    /// The words that are to be looked at, where not all are.
+    /// The rows that are to be looked at, where not all are.
     pub(crate) visits: Option<Visits>,
     /// What was counted on the way.
     pub(crate) counted: Option<Counted>,
@@ -190,6 +190,11 @@ impl Planes {
     pub(crate) fn blank(lattice: Lattice) -> Self {
         let inside = Plane::blank(lattice);
         Self { lattice, inside, missing: None, visits: None, counted: None }
+    }
+
+    /// The rows of slice `z` that are to be looked at.
+    pub(crate) fn rows_of_slice(&self, z: usize) -> Range<usize> {
+        self.visits.as_ref().map_or(0..self.lattice.points[1], |visits| visits.rows(z))
     }
 
     /// Whether it is known without a look that there is no surface.

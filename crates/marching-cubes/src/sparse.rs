@@ -1,14 +1,14 @@
-//! Only the bricks that can hold the surface: of the others no sample is compared, and no word is looked at
-//! that nobody needs.
+//! Only the bricks that can hold the surface: of the others no sample is compared, and in each layer of bricks only the rows
+//! of bits from the first to the last of them are looked at.
 //!
 //! A brick all of whose samples are on one side has words of nothing but zeros or ones. Zeros are what
-//! fresh memory holds; ones are written only where a brick that is looked at is next to them. What is
+//! fresh memory holds; ones are written only in rows that are looked at, and next to them. What is
 //! looked at is therefore true, and so the surface is the same as without bricks, to the last bit.
 
 use crate::planes::Lattice;
-use isokit_lanes::{BitRows, Side, Word, words, words_of_run};
+use isokit_lanes::{Side, Threshold, WORD, words};
 use isokit_volume::{BrickGrid, Bricks, Sample, Sides, View};
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 /// The samples that surfaces are made of, and what is known of them beforehand.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +87,22 @@ impl Runs {
         &self.runs[self.starts[row]..self.starts[row + 1]]
     }
 
+    /// The samples of all words.
+    fn samples(&self) -> u64 {
+        let [nx, ..] = self.grid.dims();
+        let [_, rows, slices] = [0, 1, 2].map(|axis| {
+            // How many begin in each brick.
+            let mut begin = vec![0; self.grid.counts()[axis]];
+            (0..self.grid.dims()[axis]).for_each(|i| begin[self.grid.brick_of(axis, i)] += 1);
+            begin
+        });
+        let rows = slices.iter().flat_map(|slices| rows.iter().map(move |rows| rows * slices));
+        let of_run = |run: &Range<usize>| (nx.min(run.end * WORD) - run.start * WORD) as u64;
+        let of_bricks =
+            |ends: &[usize]| self.runs[ends[0]..ends[1]].iter().map(of_run).sum::<u64>();
+        self.starts.windows(2).map(of_bricks).zip(rows).map(|(samples, rows)| samples * rows).sum()
+    }
+
     /// Whether no brick in which slice `k` begins has one.
     pub(crate) fn skips_slice(&self, k: usize) -> bool {
         let rows = self.grid.counts()[1];
@@ -95,39 +111,57 @@ impl Runs {
     }
 }
 
-/// The words of a plane that can have a crossed cell or a cut edge.
-#[derive(Clone, Debug)]
-pub(crate) struct Visits {
-    lattice: Lattice,
-    runs: Runs,
+/// For each layer of bricks, the rows of bricks from the first to the last that has one that is set.
+pub(crate) fn spans(grid: &BrickGrid, is_set: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let [nx, ny, nz] = grid.counts();
+    let of_layer = |z: usize| {
+        let has_one = |y: &usize| (nx * (y + ny * z)..).take(nx).any(&is_set);
+        let Some(first) = (0..ny).find(has_one) else { return 0..0 };
+        first..1 + (first..ny).rfind(has_one).unwrap_or(first)
+    };
+    (0..nz).map(of_layer).collect()
 }
 
-/// Where the words of brick `x` of `nx` end.
-fn last(x: usize, nx: usize, end: usize, words: usize) -> usize {
-    if x + 1 == nx { words } else { end }
+/// For each layer of bricks, the rows of bricks in [spans](spans) and next to them, above and below too.
+pub(crate) fn around(grid: &BrickGrid, spans: &[Range<usize>]) -> Vec<Range<usize>> {
+    let [_, ny, nz] = grid.counts();
+    let of_layer = |z: usize| {
+        let near = spans[z.saturating_sub(1)..nz.min(z + 2)].iter().filter(|rows| !rows.is_empty());
+        let near = near.map(|rows| rows.start.saturating_sub(1)..ny.min(rows.end + 1));
+        near.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+    };
+    (0..nz).map(of_layer).collect()
+}
+
+/// The rows of each slice of the lattice that can have a crossed cell or a cut edge, and some between them. Their bits are
+/// true, and those of the rows next to them.
+#[derive(Clone, Debug)]
+pub(crate) struct Visits {
+    grid: BrickGrid,
+    guard: usize,
+    /// Of the slices of each layer of bricks.
+    rows: Arc<[Range<usize>]>,
 }
 
 impl Visits {
-    /// Those of the bricks that are set.
-    pub(crate) fn new(grid: BrickGrid, lattice: Lattice, near: &[bool]) -> Self {
-        let nx = grid.counts()[0];
-        // Behind a guard every sample is one bit further up.
-        let of_points = |x: usize| x..last(x, nx, x + 1 + lattice.guard, lattice.words);
-        Self { lattice, runs: Runs::new(grid, |n| near[n], of_points) }
+    /// Those of bricks in [spans](spans).
+    pub(crate) fn new(grid: BrickGrid, lattice: Lattice, spans: &[Range<usize>]) -> Self {
+        // Behind a guard every row of samples is one further up.
+        let begin = |y: usize| match y {
+            0 => 0,
+            _ if y == grid.counts()[1] => lattice.points[1],
+            _ => grid.samples(1, y).start() + lattice.guard,
+        };
+        let rows = spans.iter().map(|rows| match rows.is_empty() {
+            true => 0..0,
+            false => begin(rows.start)..begin(rows.end),
+        });
+        Self { grid, guard: lattice.guard, rows: rows.collect() }
     }
 
-    /// Whether a slice of the lattice has none.
-    pub(crate) fn skips_slice(&self, z: usize) -> bool {
-        self.runs.skips_slice(z.saturating_sub(self.lattice.guard))
-    }
-
-    /// Adds the words of a row of the lattice that have a crossed cell or a cut edge to `out`; `bits` are
-    /// those of slice `z`.
-    pub(crate) fn words_of_row(&self, bits: &BitRows<'_>, [y, z]: [usize; 2], out: &mut Vec<Word>) {
-        let guard = self.lattice.guard;
-        for run in self.runs.of_row(y.saturating_sub(guard), z.saturating_sub(guard)) {
-            words_of_run(bits, y, run.clone(), out);
-        }
+    /// Those of slice `z` of the lattice.
+    pub(crate) fn rows(&self, z: usize) -> Range<usize> {
+        self.rows[self.grid.brick_of(2, z.saturating_sub(self.guard))].clone()
     }
 }
 
@@ -144,50 +178,44 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
-    /// From the sides of all bricks for each isovalue.
-    pub(crate) fn new(grid: BrickGrid, sides: &[Sides], lattice: Lattice) -> Self {
-        let [nx, ..] = grid.counts();
-        let of_samples = |x: usize| x..last(x, nx, x + 1, words(grid.dims()[0]));
+    /// What bricks tell of each threshold.
+    pub(crate) fn new<T: Sample>(
+        bricks: &Bricks<T>,
+        thresholds: &[Threshold<T>],
+        lattice: Lattice,
+    ) -> Self {
+        let sides: Vec<_> = thresholds.iter().map(|&one| bricks.sides(one)).collect();
+        let grid = *bricks.grid();
+        let [nx, ny, _] = grid.counts();
+        let all_words = words(grid.dims()[0]);
+        let of_samples = |x: usize| x..if x + 1 == nx { all_words } else { x + 1 };
         let count: usize = grid.counts().iter().product();
         let both = |n: usize| sides.iter().any(|sides| sides.of_brick[n] == Side::Both);
         let is_compared: Vec<bool> = (0..count).map(both).collect();
         let (mut full, mut visits) = (vec![], vec![]);
-        for Sides { of_brick, .. } in sides {
-            let mut near: Vec<bool> = of_brick.iter().map(|&side| side == Side::Both).collect();
-            if lattice.guard == 1 {
-                // Between samples inside and the guard lies a cap.
-                let capped = |n: usize| of_brick[n] == Side::Inside && grid.is_at_border(n);
-                near.iter_mut().enumerate().for_each(|(n, near)| *near |= capped(n));
-            }
-            visits.push(Visits::new(grid, lattice, &near));
-            (0..3).for_each(|axis| spread(&mut near, grid.counts(), axis));
-            let is_needed = |n: usize| near[n] && of_brick[n] == Side::Inside && !is_compared[n];
+        for Sides { of_brick, .. } in &sides {
+            // Between samples inside and the guard lies a cap.
+            let is_capped = |n: usize| {
+                lattice.guard == 1 && of_brick[n] == Side::Inside && grid.is_at_border(n)
+            };
+            let spans = spans(&grid, |n| of_brick[n] == Side::Both || is_capped(n));
+            let around = around(&grid, &spans);
+            let is_around = |n: usize| around[n / (nx * ny)].contains(&(n / nx % ny));
+            let is_needed =
+                |n: usize| of_brick[n] == Side::Inside && !is_compared[n] && is_around(n);
             full.push(Runs::new(grid, is_needed, of_samples));
+            visits.push(Visits::new(grid, lattice, &spans));
         }
         let compared = is_compared.iter().filter(|&&compared| compared).count();
-        let skipped = Skipped {
-            bricks: count as u64,
-            bricks_skipped: (count - compared) as u64,
-            samples_read: 0,
-        };
+        let bricks_skipped = (count - compared) as u64;
         let compared = Runs::new(grid, |n| is_compared[n], of_samples);
+        let samples_read = compared.samples();
+        let skipped = Skipped { bricks: count as u64, bricks_skipped, samples_read };
         Self { compared, full, visits, skipped }
     }
-}
 
-/// Sets what has a neighbour along an axis that is set.
-fn spread(flags: &mut [bool], counts: [usize; 3], axis: usize) {
-    let stride: usize = counts[..axis].iter().product();
-    let line = stride * counts[axis];
-    for block in flags.chunks_exact_mut(line) {
-        for first in 0..stride {
-            let mut before = false;
-            for n in (first..line).step_by(stride) {
-                let own = block[n];
-                let after = block.get(n + stride).is_some_and(|&after| after);
-                block[n] = before | own | after;
-                before = own;
-            }
-        }
+    /// Whether no sample of slice `k` is compared or needed.
+    pub(crate) fn skips_slice(&self, k: usize) -> bool {
+        self.compared.skips_slice(k) && self.full.iter().all(|full| full.skips_slice(k))
     }
 }

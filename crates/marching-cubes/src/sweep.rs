@@ -15,6 +15,7 @@ use crate::{
     fill::{Fill, Rest, Scratch, are_large, in_large_pages},
     layout::{Layout, Row, check_size},
     planes::{Lattice, Planes, Signs},
+    sparse::{Choice, Visits},
     trilinear::Values,
     vertex::Placer,
     winding::Winding,
@@ -24,7 +25,7 @@ use isokit_lanes::{Coordinate, Word, exactly};
 use isokit_mesh::{Counts, Piece, PositionsMut, Precision};
 use isokit_volume::Sample;
 use std::{
-    ops::Range,
+    ops::{Range, RangeInclusive},
     sync::{
         Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, Ordering},
@@ -35,6 +36,8 @@ use std::{
 pub(crate) struct Sweep<'a, T> {
     /// By one threshold.
     pub(crate) signs: Signs<'a, T>,
+    /// What is looked at, where that is not everything.
+    pub(crate) choice: Option<&'a Choice>,
     pub(crate) values: Values<'a, T>,
     /// Whether the values decide what the signs leave open.
     pub(crate) decides: bool,
@@ -71,7 +74,7 @@ const SLABS: usize = 8;
 /// What threads hand to each other.
 struct Shared<'a, C> {
     turns: Turns,
-    /// The bits of the last slice of each slab, on their way to the next.
+    /// The bits of the last slice of each slab, on their way to the next; none of zeros that nobody looked for.
     ends: Vec<Mutex<Option<Vec<u64>>>>,
     left: Mutex<Left<'a, C>>,
     has_nan: AtomicBool,
@@ -137,7 +140,8 @@ impl<T: Sample> Sweep<'_, T> {
     fn size(&self, job: &Job) -> [usize; 2] {
         let [nx, ny, slices] = self.signs.view.dims();
         let fit = SLAB / (nx * ny * size_of::<T>());
-        let least = if are_large::<T>([nx, ny]) { LARGE_SLICES } else { SLICES };
+        let is_high = self.choice.is_some() || are_large::<T>([nx, ny]);
+        let least = if is_high { LARGE_SLICES } else { SLICES };
         let per_slab = fit.max(least).min(slices / (job.threads.count() * SLABS)).max(1);
         [slices.div_ceil(per_slab), per_slab]
     }
@@ -165,7 +169,8 @@ impl<T: Sample> Sweep<'_, T> {
             exactly(|| self.slab(n, slices, own, &shared));
             Ok(())
         };
-        shared.turns.run(slabs, threads, || Own::new(self.signs.lattice), slab)?;
+        let visits = self.choice.map(|choice| &choice.visits[0]);
+        shared.turns.run(slabs, threads, || Own::new(self.signs.lattice, visits), slab)?;
         let left = shared.left.into_inner().unwrap_or_else(PoisonError::into_inner);
         let Left { before: counts, singular_cells, filled, .. } = left;
         Ok(match (shared.has_nan.into_inner(), shared.turns.is_over()) {
@@ -188,6 +193,12 @@ impl<T: Sample> Sweep<'_, T> {
         // The last slice of the slab before, where there is one, is this one's.
         let below = usize::from(n > 0);
         let first = samples.start + guard - below;
+        let is_last = samples.end == self.signs.view.dims()[2];
+        let end = if is_last { nz } else { samples.end + guard - 1 };
+        let slices = if n == 0 { 0 } else { first }..end;
+        if self.skips(samples.clone(), slices.start..=end) {
+            return shared.skip(n, end);
+        }
         let window = own.planes.inside.window(first, below + samples.len());
         let (end_of_last, classified) = window.split_at_mut(below * slice_words);
         if !self.classify(samples.clone(), classified, &mut own.samples) {
@@ -195,18 +206,14 @@ impl<T: Sample> Sweep<'_, T> {
             shared.turns.end();
             return None;
         }
-        let mut handed = match n {
-            0 => vec![],
-            _ => shared.turns.until(|| lock(&shared.ends[n - 1]).take())?,
-        };
-        end_of_last.copy_from_slice(&handed);
+        let mut handed = shared.end_of_last(n)?;
+        if !handed.is_empty() {
+            end_of_last.copy_from_slice(&handed);
+        }
         handed.clear();
         handed.extend_from_slice(&classified[classified.len() - slice_words..]);
         *lock(&shared.ends[n]) = Some(handed);
 
-        let is_last = samples.end == self.signs.view.dims()[2];
-        let end = if is_last { nz } else { samples.end + guard - 1 };
-        let slices = if n == 0 { 0 } else { first }..end;
         let values = self.decides.then_some(&self.values);
         own.layout.count_some(&own.planes, values, slices.clone(), &mut own.words);
         if !shared.turns.wait(n) {
@@ -226,23 +233,60 @@ impl<T: Sample> Sweep<'_, T> {
         Some(())
     }
 
+    /// Whether it is known beforehand that no sample of some slices is needed, and that nothing is to be counted in some
+    /// slices of the lattice.
+    fn skips(&self, samples: Range<usize>, slices: RangeInclusive<usize>) -> bool {
+        self.choice.is_some_and(|choice| {
+            samples.into_iter().all(|k| choice.skips_slice(k))
+                && slices.into_iter().all(|z| choice.visits[0].rows(z).is_empty())
+        })
+    }
+
     /// The bits of some slices of samples, into zeros. False if there is a NaN that matters.
     fn classify(&self, slices: Range<usize>, bits: &mut [u64], scratch: &mut Vec<T>) -> bool {
         let words = self.signs.lattice.slice_words();
         let mut of_slices = slices.zip(bits.chunks_exact_mut(words));
-        of_slices.all(|(k, bits)| self.signs.classify(k, (bits, words), scratch))
+        of_slices.all(|(k, bits)| match self.choice {
+            None => self.signs.classify(k, (bits, words), scratch),
+            Some(choice) => {
+                self.signs.classify_chosen(k, choice, &mut [bits], scratch);
+                true
+            }
+        })
     }
 }
 
 impl<T> Own<T> {
-    fn new(lattice: Lattice) -> Self {
+    fn new(lattice: Lattice, visits: Option<&Visits>) -> Self {
         Self {
-            planes: Planes::blank(lattice),
+            planes: Planes { visits: visits.cloned(), ..Planes::blank(lattice) },
             layout: Layout::empty(),
             words: vec![],
             samples: vec![],
             scratch: Scratch::default(),
         }
+    }
+}
+
+impl<C> Shared<'_, C> {
+    /// The bits that slab `n` begins with.
+    fn end_of_last(&self, n: usize) -> Option<Vec<u64>> {
+        match n {
+            0 => Some(vec![]),
+            _ => self.turns.until(|| lock(&self.ends[n - 1]).take()),
+        }
+    }
+
+    /// Passes over slab `n`, whose slices end before `end`.
+    fn skip(&self, n: usize, end: usize) -> Option<()> {
+        self.end_of_last(n)?;
+        *lock(&self.ends[n]) = Some(vec![]);
+        let is_turn = self.turns.wait(n);
+        if is_turn {
+            lock(&self.left).filled = end;
+            self.turns.pass();
+        }
+        is_turn.then_some(())
     }
 }
 

@@ -35,7 +35,7 @@ impl Scan {
     /// The surface where the value is `iso`, of what all planes keep, closed where they cut.
     ///
     /// Where there are planes vertices are placed linearly and diagonals are the table's, whatever the options say. It takes 8 bytes for each sample;
-    /// with an [index](Self::index) only for samples near the surface, if that goes through a sixteenth of the bricks at
+    /// with an [index](Self::index) only for samples near the surface, if that goes through an eighth of the bricks at
     /// the most. Without a plane it is the surface as it is.
     ///
     /// # Errors

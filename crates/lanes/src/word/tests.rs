@@ -1,6 +1,6 @@
 //! Words against the corners of single cells.
 
-use super::{BitRows, Word, cases::add_cases_at, words_of_rows_at, words_of_run_at};
+use super::{BitRows, Word, cases::add_cases_at, words_of_rows_at};
 use crate::Level;
 
 /// Each mask by its definition, from the corners of single cells, for all rows and for some.
@@ -24,13 +24,6 @@ fn check(low: &[u64], high: Option<&[u64]>, points: usize) {
         words_of_rows_at(*level, &bits, rows / 3..rows - rows / 3, &mut some);
         words.retain(|word| (rows / 3..rows - rows / 3).contains(&word.row));
         assert_eq!(some, words, "{level}");
-        let per_row = points.div_ceil(64);
-        let run = per_row / 4..per_row - per_row / 3;
-        for row in rows / 3..rows - rows / 3 {
-            words_of_run_at(*level, &bits, row, run.clone(), &mut some);
-        }
-        let in_run = words.iter().filter(|word| run.contains(&(word.first / 64)));
-        assert!(some[words.len()..].iter().eq(in_run), "{level}: {run:?}");
     }
 }
 

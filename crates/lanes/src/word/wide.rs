@@ -201,7 +201,7 @@ pub(crate) struct Groups<'a, P> {
     bits: BitRows<'a>,
     /// The rows that are left once these words are through.
     left: Range<usize>,
-    /// Words of some rows, and of those beside and above them: in each list as many as are wanted, or more.
+    /// Words of some rows, and of those beside and above them: in each list as many as are wanted.
     flat: [&'a [u64]; 4],
     wanted: usize,
     at: usize,
@@ -239,26 +239,6 @@ impl<'a, P: Pack> Groups<'a, P> {
         // SAFETY: the caller says so.
         let cells = unsafe { [P::splat(u64::MAX), P::splat(bits.cells(bits.words() - 1))] };
         Self { bits: *bits, left: rows, flat, wanted: 0, at: 0, place, has_cells: false, cells }
-    }
-
-    /// Only the words `run` of a row.
-    ///
-    /// # Safety
-    ///
-    /// As for [`new`](Self::new).
-    #[inline(always)]
-    unsafe fn of_run(bits: &BitRows<'a>, row: usize, run: Range<usize>) -> Self {
-        // The last cell of the run has its high-x corners in the next word, if there is one.
-        let end = bits.words().min(run.end + 1);
-        let [a, b, c, d] = bits.around(row);
-        Self {
-            flat: [&a[run.start..end], &b[run.start..end], &c[run.start..end], &d[run.start..end]],
-            wanted: run.len(),
-            place: [row, run.start],
-            has_cells: bits.has_cells(row),
-            // SAFETY: the caller says so.
-            ..unsafe { Self::new(bits, 0..0) }
-        }
     }
 
     /// The next words of which one is not blank. Where a row ends, and in rows without cells, all of them may be.
@@ -363,17 +343,6 @@ macro_rules! level {
             ) {
                 // SAFETY: this function runs only where the machine has the instructions.
                 push_words(unsafe { Groups::<$pack>::new(bits, rows) }, out);
-            }
-
-            #[target_feature(enable = $features)]
-            pub(in super::super) fn words_of_run(
-                bits: &BitRows<'_>,
-                row: usize,
-                run: Range<usize>,
-                out: &mut Vec<Word>,
-            ) {
-                // SAFETY: as above.
-                push_words(unsafe { Groups::<$pack>::of_run(bits, row, run) }, out);
             }
 
             #[target_feature(enable = $features)]

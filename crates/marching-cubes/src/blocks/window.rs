@@ -10,7 +10,7 @@ use crate::{
     found::Found,
     planes::{Lattice, Plane, Planes, behind_guard},
     slabs::Held,
-    sparse::Visits,
+    sparse::{Visits, spans},
 };
 use isokit_geom::Frame;
 use isokit_job::{Cancelled, OverLimit};
@@ -168,7 +168,7 @@ impl<'a, T: Sample> Window<'a, T> {
         let is_missing = |layer: &Layer<T>| layer.made.iter().any(|block| block.missing.is_some());
         let missing = self.layers.iter().any(is_missing);
         let missing = missing.then(|| Arc::new(self.plane(lattice, own, Layer::missing)));
-        let visits = Some(Visits::new(bricks, lattice, &near));
+        let visits = Some(Visits::new(bricks, lattice, &spans(&bricks, |n| near[n])));
         Ok(Some(Planes { inside, missing, visits, ..Planes::blank(lattice) }))
     }
 

@@ -1,34 +1,51 @@
 //! Planes of which only some words are compared, and only some others written.
 
-use super::{Lattice, Plane, classify::slice_by_slice};
+use super::{Plane, Signs, classify::slice_by_slice};
 use crate::{ExtractError, sparse::Choice};
 use isokit_job::Job;
-use isokit_lanes::{Thresholds, WORD, signs_of_many, words};
-use isokit_volume::{Sample, View};
+use isokit_lanes::{WORD, signs_of_many, words};
+use isokit_volume::Sample;
 use std::ops::Range;
 
-/// A plane for each threshold, and how many samples were compared. What nobody looks at is left 0.
-pub(super) fn chosen<T: Sample, E>(
-    view: &View<'_, T>,
-    lattice: Lattice,
-    thresholds: &Thresholds<T>,
-    choice: &Choice,
-    job: &Job,
-) -> Result<(Vec<Plane>, u64), ExtractError<E>> {
-    let [nx, ny, _] = view.dims();
-    let is_blank =
-        |k: usize| [&choice.compared].into_iter().chain(&choice.full).all(|r| r.skips_slice(k));
-    let fill = |k: usize, slices: &mut [&mut [u64]]| {
-        let (mut read, mut scratch, mut found) = (0, vec![], vec![]);
+impl<T: Sample> Signs<'_, T> {
+    /// A plane for each threshold. What nobody looks at is left 0.
+    pub(super) fn chosen_planes<E>(
+        &self,
+        choice: &Choice,
+        job: &Job,
+    ) -> Result<Vec<Plane>, ExtractError<E>> {
+        let count = self.thresholds.count();
+        let fill = |k: usize, slices: &mut [&mut [u64]]| {
+            self.classify_chosen(k, choice, slices, &mut vec![]);
+        };
+        let is_blank = |k: usize| choice.skips_slice(k);
+        Ok(slice_by_slice(self.lattice, count, is_blank, fill, None, job)?.0)
+    }
+
+    /// The chosen bits of slice `k` of the samples, over zeros for each threshold.
+    pub(crate) fn classify_chosen(
+        &self,
+        k: usize,
+        choice: &Choice,
+        slices: &mut [&mut [u64]],
+        scratch: &mut Vec<T>,
+    ) {
+        let Self { view, lattice, thresholds, .. } = self;
+        let [nx, ny, _] = view.dims();
+        let mut found = vec![];
         for j in 0..ny {
             let own = lattice.row_of_samples(j);
             for run in choice.compared.of_row(j, k) {
                 let row = view.row(j, k).part(run.start * WORD..nx.min(run.end * WORD));
-                let row = row.gather(&mut scratch);
+                let row = row.gather(scratch);
                 let own_words = words(row.len());
+                if let ([slice], 0) = (&mut *slices, lattice.guard) {
+                    let own = &mut slice[own.start + run.start..][..own_words];
+                    signs_of_many(row, thresholds, own, own_words);
+                    continue;
+                }
                 found.resize(own_words * slices.len(), 0);
                 signs_of_many(row, thresholds, &mut found, own_words);
-                read += row.len() as u64;
                 for (found, slice) in found.chunks_exact(own_words).zip(&mut *slices) {
                     let words = found.iter().copied();
                     place(words, run.start, lattice.guard, &mut slice[own.clone()]);
@@ -40,10 +57,7 @@ pub(super) fn chosen<T: Sample, E>(
                 }
             }
         }
-        read
-    };
-    let (planes, read) = slice_by_slice(lattice, thresholds.count(), is_blank, fill, None, job)?;
-    Ok((planes, read.iter().sum()))
+    }
 }
 
 /// Words of a row of `nx` samples that are all inside.

@@ -1,6 +1,6 @@
 //! From samples to planes, for any number of isovalues with one look at the samples.
 
-use super::{Counted, Lattice, PIECE, PIECE_WORDS, Plane, Planes, behind_guard, chosen::chosen};
+use super::{Counted, Lattice, PIECE, PIECE_WORDS, Plane, Planes, Signs, behind_guard};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
 use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{
@@ -44,13 +44,11 @@ impl Planes {
                 may_be_nan = found.count > 0;
                 skipped.samples_read = all;
             }
-            (Some(each), Some(bricks)) => {
-                let sides: Vec<_> = asked.iter().map(|&one| bricks.sides(one)).collect();
-                let choice = Choice::new(*bricks.grid(), &sides, lattice);
-                let samples_read;
-                (inside, samples_read) = chosen(view, lattice, &each, &choice, job)?;
-                skipped = Skipped { samples_read, ..choice.skipped };
-                visits = choice.visits;
+            (Some(thresholds), Some(bricks)) => {
+                let choice = Choice::new(bricks, &asked, lattice);
+                let signs = Signs { view: *view, lattice, thresholds, stops_at_nan: false };
+                inside = signs.chosen_planes(&choice, job)?;
+                (skipped, visits) = (choice.skipped, choice.visits);
             }
             // Nothing is inside, whatever the samples are: not one is read.
             (None, Some(bricks)) => {

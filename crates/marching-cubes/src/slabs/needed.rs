@@ -5,7 +5,10 @@
 //! memory (`sparse`), words of samples are compared in bricks that hold a surface only.
 
 use super::Slabs;
-use crate::{Boundary, Nan, Placement, Skipped};
+use crate::{
+    Boundary, Nan, Placement, Skipped,
+    sparse::{around, spans},
+};
 use isokit_lanes::Side;
 use isokit_volume::{BrickGrid, Bricks, Sample, SlabSource};
 use std::ops::Range;
@@ -39,25 +42,16 @@ impl<T: Sample> Needed<T> {
         let is_at = |n: usize, side: Side| sides.iter().any(|of_brick| of_brick[n] == side);
         let is_closed = slabs.options.boundary == Boundary::Closed;
         let (grid, all) = (*bricks.grid(), bricks.extents().len());
-        let [nx, ny, nz] = grid.counts();
         // Beside samples inside at the border there is a cap.
         let is_capped = |n: usize| is_closed && is_at(n, Side::Inside) && grid.is_at_border(n);
-        let of_layer = |z: usize| {
-            let of_row = |y: &usize| (nx * (y + ny * z)..).take(nx);
-            let is_needed = |y: &usize| of_row(y).any(|n| is_at(n, Side::Both) || is_capped(n));
-            let first = (0..ny).find(is_needed)?;
-            Some([first, (0..ny).rfind(is_needed)?])
-        };
-        let layers: Vec<_> = (0..nz).map(of_layer).collect();
-        let around = |z: usize| {
-            let near = layers[z.saturating_sub(1)..nz.min(z + 2)].iter().flatten();
-            let both = near.copied().reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-            both.map_or(0..0, |[first, last]| {
-                let [first, last] = [first.saturating_sub(1), (last + 1).min(ny - 1)];
-                *grid.samples(1, first).start()..grid.samples(1, last).end() + 1
-            })
-        };
-        let rows = (0..nz).map(around).collect();
+        let spans = spans(&grid, |n| is_at(n, Side::Both) || is_capped(n));
+        let rows = around(&grid, &spans).into_iter().map(|bricks| match bricks.is_empty() {
+            true => 0..0,
+            false => {
+                *grid.samples(1, bricks.start).start()..grid.samples(1, bricks.end - 1).end() + 1
+            }
+        });
+        let rows = rows.collect();
         let skipped = (0..all).filter(|&n| !is_at(n, Side::Both)).count() as u64;
         Some(Self { bricks: bricks.clone(), rows, skipped })
     }

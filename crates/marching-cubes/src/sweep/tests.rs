@@ -2,12 +2,12 @@
 
 use crate::{
     Boundary, Degenerate, Diagonals, ExtractError, ExtractOptions, Gradient, Nan, Placement,
-    Topology, extract, extract_into, extract_many,
+    Skipped, Source, Topology, extract, extract_into, extract_many,
 };
 use isokit_geom::Frame;
 use isokit_job::{Job, Limits, Stopped, Threads};
 use isokit_mesh::{Counts, MeshSink, Piece, Positions, Precision, TriMesh};
-use isokit_volume::{Grid, Sample, View, Volume};
+use isokit_volume::{Bricks, Grid, Sample, View, Volume};
 use proptest::prelude::*;
 use std::{convert::Infallible, num::NonZeroUsize};
 
@@ -66,6 +66,27 @@ fn check<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) {
             assert!(mesh == expected, "{:?}, {iso}, into {place}", view.dims());
         }
     }
+    for (threads, (vertices, triangles)) in (1..4).zip(sizes) {
+        let mut mesh = used(vertices, triangles, Precision::F32);
+        with_bricks(view, iso, options, &mut [&mut mesh], &job(threads));
+        let place = format!("{vertices} {triangles} on {threads} threads, {options:?}");
+        assert!(mesh == expected, "{:?}, {iso}, with bricks, into {place}", view.dims());
+    }
+}
+
+/// The surface where bricks tell that it may be, into each of some meshes.
+fn with_bricks<T: Sample>(
+    view: &View<'_, T>,
+    iso: f64,
+    options: &ExtractOptions,
+    meshes: &mut [&mut TriMesh],
+    job: &Job,
+) -> Skipped {
+    let bricks = Bricks::of(view, job).unwrap();
+    let source = Source::with_bricks(view, &bricks).unwrap();
+    let isos = vec![iso; meshes.len()];
+    let mut sinks: Vec<_> = meshes.iter_mut().map(|mesh| mesh.refill()).collect();
+    extract_many(source, &isos, options, &mut sinks, job).unwrap()[0].skipped
 }
 
 /// All choices; of those that share any one of them half have fitted diagonals.
@@ -115,6 +136,37 @@ fn a_ball_is_the_same_in_used_memory() {
         });
         check(&ball.view(), 0.0, &options);
         check(&ball.view(), 1e9, &options);
+    }
+}
+
+#[test]
+fn slabs_of_which_bricks_tell_that_they_are_empty_or_full_are_passed_over() {
+    // Full below, then nothing, a ball, nothing, a ball of nothing in what is full, nothing.
+    let sample = |n: u64| {
+        let [i, j, k] = [n % 70, n / 70 % 30, n / 2100].map(|i| i as f64);
+        let is_near = |z: f64| (i - 40.0).powi(2) + (j - 14.5).powi(2) + (k - z).powi(2) < 20.0;
+        u8::from(match k as u64 {
+            0..30 => true,
+            60..160 => is_near(110.0),
+            160..240 => !is_near(200.5),
+            _ => false,
+        })
+    };
+    let volume = volume([70, 30, 290], sample);
+    for options in all_options() {
+        let (view, expected) = (volume.view(), by_passes(&volume.view(), 0.5, &options));
+        assert!(!expected.triangles.is_empty());
+        let [mut one, mut other] = [TriMesh::with_normals(), TriMesh::with_normals()];
+        let meshes = &mut [&mut one, &mut other];
+        let by_passes = with_bricks(&view, 0.5, &options, meshes, &job(1));
+        assert!(one == expected && other == expected, "{options:?}");
+        for threads in 1..4 {
+            let mut mesh = used(9000, 20_000, Precision::F32);
+            let skipped = with_bricks(&view, 0.5, &options, &mut [&mut mesh], &job(threads));
+            assert!(mesh == expected, "on {threads} threads, {options:?}");
+            assert_eq!(skipped, by_passes);
+            assert!(skipped.samples_read < 70 * 30 * 100, "{skipped:?}");
+        }
     }
 }
 
@@ -299,6 +351,9 @@ proptest! {
         let expected = by_passes(&view, iso, options);
         let mut mesh = used(held.0, held.1, Precision::F32);
         extract_into(&view, iso, options, &mut mesh.refill(), &job(threads)).unwrap();
+        prop_assert!(mesh == expected);
+        let mut mesh = used(held.0, held.1, Precision::F32);
+        with_bricks(&view, iso, options, &mut [&mut mesh], &job(threads));
         prop_assert!(mesh == expected);
     }
 }
