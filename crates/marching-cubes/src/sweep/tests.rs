@@ -182,10 +182,13 @@ fn chance_and_ties_are_the_same_in_used_memory_whatever_the_shape() {
         [64, 4, 9],
         [3, 64, 18],
     ];
-    for dims in shapes {
-        for options in all_options() {
-            check(&volume(dims, |n| (chance(n) % 5) as u8).view(), 2.0, &options);
-            check(&volume(dims, |n| chance(n) as f64).view(), 3e6, &options);
+    for (shape, dims) in shapes.into_iter().enumerate() {
+        for (n, options) in all_options().into_iter().enumerate() {
+            // Ties for half of the options that share any one choice, and for the others in the next shape.
+            match (shape as u32 + (n & 0b10101).count_ones()).is_multiple_of(2) {
+                true => check(&volume(dims, |n| (chance(n) % 5) as u8).view(), 2.0, &options),
+                false => check(&volume(dims, |n| chance(n) as f64).view(), 3e6, &options),
+            }
         }
     }
 }
