@@ -57,21 +57,19 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
-    /// `words(x)` are those of the bricks with number `x` along x.
-    fn new(
-        grid: BrickGrid,
-        chosen: impl Fn(usize) -> bool,
-        words: impl Fn(usize) -> Range<usize>,
-    ) -> Self {
+    /// Those of the samples that bricks begin with, of chosen bricks.
+    fn new(grid: BrickGrid, chosen: impl Fn(usize) -> bool) -> Self {
         let [nx, ny, nz] = grid.counts();
+        let all_words = words(grid.dims()[0]);
         let (mut starts, mut runs): (_, Vec<Range<usize>>) = (vec![0], vec![]);
         for row in 0..ny * nz {
             let first = runs.len();
             for x in (0..nx).filter(|x| chosen(x + nx * row)) {
-                let more = words(x);
+                // The last one has what is left.
+                let end = if x + 1 == nx { all_words } else { x + 1 };
                 match runs[first..].last_mut() {
-                    Some(last) if last.end >= more.start => last.end = more.end,
-                    _ => runs.push(more),
+                    Some(last) if last.end == x => last.end = end,
+                    _ => runs.push(x..end),
                 }
             }
             starts.push(runs.len());
@@ -90,7 +88,7 @@ impl Runs {
     /// The samples of all words.
     fn samples(&self) -> u64 {
         let [nx, ..] = self.grid.dims();
-        let [_, rows, slices] = [0, 1, 2].map(|axis| {
+        let [rows, slices] = [1, 2].map(|axis| {
             // How many begin in each brick.
             let mut begin = vec![0; self.grid.counts()[axis]];
             (0..self.grid.dims()[axis]).for_each(|i| begin[self.grid.brick_of(axis, i)] += 1);
@@ -122,7 +120,7 @@ pub(crate) fn spans(grid: &BrickGrid, is_set: impl Fn(usize) -> bool) -> Vec<Ran
     (0..nz).map(of_layer).collect()
 }
 
-/// For each layer of bricks, the rows of bricks in [spans](spans) and next to them, above and below too.
+/// For each layer of bricks, the rows of bricks in [`spans`] and next to them, above and below too.
 pub(crate) fn around(grid: &BrickGrid, spans: &[Range<usize>]) -> Vec<Range<usize>> {
     let [_, ny, nz] = grid.counts();
     let of_layer = |z: usize| {
@@ -144,7 +142,7 @@ pub(crate) struct Visits {
 }
 
 impl Visits {
-    /// Those of bricks in [spans](spans).
+    /// Those of bricks in [`spans`].
     pub(crate) fn new(grid: BrickGrid, lattice: Lattice, spans: &[Range<usize>]) -> Self {
         // Behind a guard every row of samples is one further up.
         let begin = |y: usize| match y {
@@ -157,6 +155,11 @@ impl Visits {
             false => begin(rows.start)..begin(rows.end),
         });
         Self { grid, guard: lattice.guard, rows: rows.collect() }
+    }
+
+    /// Whether there are some in slice `k` of the samples.
+    fn are_in_slice(&self, k: usize) -> bool {
+        !self.rows[self.grid.brick_of(2, k)].is_empty()
     }
 
     /// Those of slice `z` of the lattice.
@@ -187,8 +190,6 @@ impl Choice {
         let sides: Vec<_> = thresholds.iter().map(|&one| bricks.sides(one)).collect();
         let grid = *bricks.grid();
         let [nx, ny, _] = grid.counts();
-        let all_words = words(grid.dims()[0]);
-        let of_samples = |x: usize| x..if x + 1 == nx { all_words } else { x + 1 };
         let count: usize = grid.counts().iter().product();
         let both = |n: usize| sides.iter().any(|sides| sides.of_brick[n] == Side::Both);
         let is_compared: Vec<bool> = (0..count).map(both).collect();
@@ -203,15 +204,23 @@ impl Choice {
             let is_around = |n: usize| around[n / (nx * ny)].contains(&(n / nx % ny));
             let is_needed =
                 |n: usize| of_brick[n] == Side::Inside && !is_compared[n] && is_around(n);
-            full.push(Runs::new(grid, is_needed, of_samples));
+            full.push(Runs::new(grid, is_needed));
             visits.push(Visits::new(grid, lattice, &spans));
         }
         let compared = is_compared.iter().filter(|&&compared| compared).count();
         let bricks_skipped = (count - compared) as u64;
-        let compared = Runs::new(grid, |n| is_compared[n], of_samples);
+        let compared = Runs::new(grid, |n| is_compared[n]);
         let samples_read = compared.samples();
         let skipped = Skipped { bricks: count as u64, bricks_skipped, samples_read };
         Self { compared, full, visits, skipped }
+    }
+
+    /// Whether some slices of samples, or the edges to them from the one below, can have something.
+    pub(crate) fn needs(&self, slices: &Range<usize>) -> bool {
+        let is_needed = |k: usize| !self.skips_slice(k);
+        let below = slices.start.checked_sub(1);
+        let is_visited = |k: usize| self.visits.iter().any(|visits| visits.are_in_slice(k));
+        slices.clone().any(is_needed) || below.is_some_and(is_visited)
     }
 
     /// Whether no sample of slice `k` is compared or needed.
@@ -219,3 +228,6 @@ impl Choice {
         self.compared.skips_slice(k) && self.full.iter().all(|full| full.skips_slice(k))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,6 +6,8 @@
 //! the memory, and fills it. Samples around the surface are so read from the cache, where the passes one after another
 //! (`planes`, `layout`, `fill`) read them from memory a second time. Numbers and bits are theirs.
 //!
+//! Where bricks tell what is looked at, slabs of which nothing is are left out, and those after them begin with zeros.
+//!
 //! The vertices and triangles between two slabs are the second's, which takes a copy of the last slice of bits of
 //! the first. If the memory does not suffice, the passes do the rest; if a sample is NaN and that matters,
 //! everything.
@@ -23,9 +25,9 @@ use crate::{
 use isokit_job::{Cancelled, Job, Turns};
 use isokit_lanes::{Coordinate, Word, exactly};
 use isokit_mesh::{Counts, Piece, PositionsMut, Precision};
-use isokit_volume::Sample;
+use isokit_volume::{BrickGrid, Sample};
 use std::{
-    ops::{Range, RangeInclusive},
+    ops::Range,
     sync::{
         Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, Ordering},
@@ -74,7 +76,7 @@ const SLABS: usize = 8;
 /// What threads hand to each other.
 struct Shared<'a, C> {
     turns: Turns,
-    /// The bits of the last slice of each slab, on their way to the next; none of zeros that nobody looked for.
+    /// The bits of the last slice of each slab that is looked at, on their way to the next.
     ends: Vec<Mutex<Option<Vec<u64>>>>,
     left: Mutex<Left<'a, C>>,
     has_nan: AtomicBool,
@@ -140,17 +142,21 @@ impl<T: Sample> Sweep<'_, T> {
     fn size(&self, job: &Job) -> [usize; 2] {
         let [nx, ny, slices] = self.signs.view.dims();
         let fit = SLAB / (nx * ny * size_of::<T>());
-        let is_high = self.choice.is_some() || are_large::<T>([nx, ny]);
-        let least = if is_high { LARGE_SLICES } else { SLICES };
+        let least = match (self.choice, are_large::<T>([nx, ny])) {
+            (Some(_), _) => BrickGrid::CELLS[2], // they are left out by layers of bricks
+            (None, true) => LARGE_SLICES,
+            (None, false) => SLICES,
+        };
         let per_slab = fit.max(least).min(slices / (job.threads.count() * SLABS)).max(1);
         [slices.div_ceil(per_slab), per_slab]
     }
 
     fn slabs<C: Coordinate>(&self, rest: Rest<'_, C>, job: &Job) -> Result<Swept, Cancelled> {
-        let (slices, threads) = (self.signs.view.dims()[2], job.threads.count());
-        let [slabs, per_slab] = self.size(job);
+        job.check()?;
+        let threads = job.threads.count();
+        let slabs = self.looked_at(job);
         let mut ends: Vec<Mutex<Option<Vec<u64>>>> = vec![];
-        ends.resize_with(slabs, Mutex::default);
+        ends.resize_with(slabs.len(), Mutex::default);
         let shared = Shared {
             turns: Turns::default(),
             ends,
@@ -162,15 +168,17 @@ impl<T: Sample> Sweep<'_, T> {
             }),
             has_nan: AtomicBool::new(false),
         };
+        let all: usize = slabs.iter().map(Range::len).sum();
+        job.progress.advance((self.signs.view.dims()[2] - all) as u64);
         let slab = |own: &mut Own<T>, n: usize| {
             job.check()?;
-            let slices = n * per_slab..slices.min((n + 1) * per_slab);
-            job.progress.advance(slices.len() as u64);
-            exactly(|| self.slab(n, slices, own, &shared));
+            job.progress.advance(slabs[n].len() as u64);
+            let is_next = n > 0 && slabs[n - 1].end == slabs[n].start;
+            exactly(|| self.slab((n, is_next), slabs[n].clone(), own, &shared));
             Ok(())
         };
         let visits = self.choice.map(|choice| &choice.visits[0]);
-        shared.turns.run(slabs, threads, || Own::new(self.signs.lattice, visits), slab)?;
+        shared.turns.run(slabs.len(), threads, || Own::new(self.signs.lattice, visits), slab)?;
         let left = shared.left.into_inner().unwrap_or_else(PoisonError::into_inner);
         let Left { before: counts, singular_cells, filled, .. } = left;
         Ok(match (shared.has_nan.into_inner(), shared.turns.is_over()) {
@@ -180,10 +188,18 @@ impl<T: Sample> Sweep<'_, T> {
         })
     }
 
-    /// From the samples of slab `n` to vertices and triangles; nothing if the sweep ends before.
+    /// The slices of samples of each slab that is looked at.
+    fn looked_at(&self, job: &Job) -> Vec<Range<usize>> {
+        let (slices, [slabs, per_slab]) = (self.signs.view.dims()[2], self.size(job));
+        let all = (0..slabs).map(|n| n * per_slab..slices.min((n + 1) * per_slab));
+        all.filter(|slab| self.choice.is_none_or(|choice| choice.needs(slab))).collect()
+    }
+
+    /// From the samples of the slab that is the `n`th to be looked at, next after the one before or not, to vertices and
+    /// triangles; nothing if the sweep ends before.
     fn slab<C: Coordinate>(
         &self,
-        n: usize,
+        (n, is_next): (usize, bool),
         samples: Range<usize>,
         own: &mut Own<T>,
         shared: &Shared<'_, C>,
@@ -191,14 +207,8 @@ impl<T: Sample> Sweep<'_, T> {
         let Lattice { points: [_, ny, nz], guard, .. } = self.signs.lattice;
         let slice_words = self.signs.lattice.slice_words();
         // The last slice of the slab before, where there is one, is this one's.
-        let below = usize::from(n > 0);
+        let below = usize::from(samples.start > 0);
         let first = samples.start + guard - below;
-        let is_last = samples.end == self.signs.view.dims()[2];
-        let end = if is_last { nz } else { samples.end + guard - 1 };
-        let slices = if n == 0 { 0 } else { first }..end;
-        if self.skips(samples.clone(), slices.start..=end) {
-            return shared.skip(n, end);
-        }
         let window = own.planes.inside.window(first, below + samples.len());
         let (end_of_last, classified) = window.split_at_mut(below * slice_words);
         if !self.classify(samples.clone(), classified, &mut own.samples) {
@@ -206,14 +216,18 @@ impl<T: Sample> Sweep<'_, T> {
             shared.turns.end();
             return None;
         }
-        let mut handed = shared.end_of_last(n)?;
-        if !handed.is_empty() {
+        let mut handed = vec![];
+        if is_next {
+            handed = shared.turns.until(|| lock(&shared.ends[n - 1]).take())?;
             end_of_last.copy_from_slice(&handed);
+            handed.clear();
         }
-        handed.clear();
         handed.extend_from_slice(&classified[classified.len() - slice_words..]);
         *lock(&shared.ends[n]) = Some(handed);
 
+        let is_last = samples.end == self.signs.view.dims()[2];
+        let end = if is_last { nz } else { samples.end + guard - 1 };
+        let slices = if below == 0 { 0 } else { first }..end;
         let values = self.decides.then_some(&self.values);
         own.layout.count_some(&own.planes, values, slices.clone(), &mut own.words);
         if !shared.turns.wait(n) {
@@ -231,15 +245,6 @@ impl<T: Sample> Sweep<'_, T> {
         let fill = Fill { planes, layout, placer, values, winding, cases };
         fill.some(slices, room, &mut own.scratch);
         Some(())
-    }
-
-    /// Whether it is known beforehand that no sample of some slices is needed, and that nothing is to be counted in some
-    /// slices of the lattice.
-    fn skips(&self, samples: Range<usize>, slices: RangeInclusive<usize>) -> bool {
-        self.choice.is_some_and(|choice| {
-            samples.into_iter().all(|k| choice.skips_slice(k))
-                && slices.into_iter().all(|z| choice.visits[0].rows(z).is_empty())
-        })
     }
 
     /// The bits of some slices of samples, into zeros. False if there is a NaN that matters.
@@ -265,28 +270,6 @@ impl<T> Own<T> {
             samples: vec![],
             scratch: Scratch::default(),
         }
-    }
-}
-
-impl<C> Shared<'_, C> {
-    /// The bits that slab `n` begins with.
-    fn end_of_last(&self, n: usize) -> Option<Vec<u64>> {
-        match n {
-            0 => Some(vec![]),
-            _ => self.turns.until(|| lock(&self.ends[n - 1]).take()),
-        }
-    }
-
-    /// Passes over slab `n`, whose slices end before `end`.
-    fn skip(&self, n: usize, end: usize) -> Option<()> {
-        self.end_of_last(n)?;
-        *lock(&self.ends[n]) = Some(vec![]);
-        let is_turn = self.turns.wait(n);
-        if is_turn {
-            lock(&self.left).filled = end;
-            self.turns.pass();
-        }
-        is_turn.then_some(())
     }
 }
 

@@ -4,8 +4,9 @@ use isokit_io::{BrickFile, NoBricks};
 use isokit_volume::{AnyBricks, Bricks, Sample, Scaling, Statistics, View};
 use std::{borrow::Cow, fmt, ops::Range, path::PathBuf};
 
-/// With a greater share of the bricks to look at, all samples may be sooner looked at. An index by which it is so much saves
-/// a tenth of the time with samples of a byte, a quarter in f32; with a sixth it saves nothing (EPYC of 2021, November 2026).
+/// With a greater share of the bricks to look at, all samples may be sooner looked at. For one surface an index by which it
+/// is so much saves a tenth of the time with samples of a byte, a quarter in f32; with a sixth it saves nothing (row `index` of
+/// `scripts/bench`, and a bonsai; EPYC of 2021, November 2026).
 const MOST_ACTIVE: f64 = 1.0 / 8.0;
 
 /// Where an index is from.

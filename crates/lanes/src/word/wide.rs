@@ -201,9 +201,8 @@ pub(crate) struct Groups<'a, P> {
     bits: BitRows<'a>,
     /// The rows that are left once these words are through.
     left: Range<usize>,
-    /// Words of some rows, and of those beside and above them: in each list as many as are wanted.
+    /// Words of some rows, and of those beside and above them: in each list as many.
     flat: [&'a [u64]; 4],
-    wanted: usize,
     at: usize,
     /// Row of the word at `at`, and its place in the row.
     place: [usize; 2],
@@ -238,14 +237,14 @@ impl<'a, P: Pack> Groups<'a, P> {
         let (place, flat) = ([rows.start, 0], [&bits.low[..0]; 4]);
         // SAFETY: the caller says so.
         let cells = unsafe { [P::splat(u64::MAX), P::splat(bits.cells(bits.words() - 1))] };
-        Self { bits: *bits, left: rows, flat, wanted: 0, at: 0, place, has_cells: false, cells }
+        Self { bits: *bits, left: rows, flat, at: 0, place, has_cells: false, cells }
     }
 
     /// The next words of which one is not blank. Where a row ends, and in rows without cells, all of them may be.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Group<P>> {
         loop {
-            if self.at >= self.wanted && !self.take_rows() {
+            if self.at >= self.flat[0].len() && !self.take_rows() {
                 return None;
             }
             let (at, place) = (self.at, self.place);
@@ -269,7 +268,7 @@ impl<'a, P: Pack> Groups<'a, P> {
         let first = self.left.start;
         let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
         self.flat = self.bits.flat(first..end);
-        (self.at, self.wanted, self.place) = (0, self.flat[0].len(), [first, 0]);
+        (self.at, self.place) = (0, [first, 0]);
         self.has_cells = self.bits.has_cells(first);
         self.left.start = end;
         true
@@ -280,12 +279,13 @@ impl<'a, P: Pack> Groups<'a, P> {
     fn corners(&self, at: usize) -> ([P; 4], [P; 4]) {
         let [every, _] = self.cells;
         let (mut low, mut high) = ([every; 4], [every; 4]);
-        if at + P::WORDS < self.wanted {
+        let count = self.flat[0].len();
+        if at + P::WORDS < count {
             for (n, row) in self.flat.iter().enumerate() {
-                debug_assert!(row.len() >= self.wanted, "as many as are wanted");
+                debug_assert_eq!(row.len(), count, "as many in each list");
                 let words = row.as_ptr().wrapping_add(at);
-                // SAFETY: who made this said that the machine has the instructions. Each list has as many words
-                // as are wanted, of which one more than a pack are left.
+                // SAFETY: who made this said that the machine has the instructions. Each list has as many words as the
+                // first, of which one more than a pack are left.
                 let next = unsafe { P::load_all(words.wrapping_add(1)) };
                 // SAFETY: as above.
                 low[n] = unsafe { P::load_all(words) };
@@ -297,7 +297,7 @@ impl<'a, P: Pack> Groups<'a, P> {
             // SAFETY: as above.
             let next = unsafe { P::load(&row[at + 1..]) };
             // SAFETY: as above.
-            low[n] = unsafe { P::load(&row[at..self.wanted]) };
+            low[n] = unsafe { P::load(&row[at..]) };
             high[n] = low[n].shifted_in(next);
         }
         (low, high)

@@ -66,7 +66,7 @@ fn check<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) {
             assert!(mesh == expected, "{:?}, {iso}, into {place}", view.dims());
         }
     }
-    for (threads, (vertices, triangles)) in (1..4).zip(sizes) {
+    for (threads, (vertices, triangles)) in (0..).map(|n| 1 + n % 3).zip(sizes) {
         let mut mesh = used(vertices, triangles, Precision::F32);
         with_bricks(view, iso, options, &mut [&mut mesh], &job(threads));
         let place = format!("{vertices} {triangles} on {threads} threads, {options:?}");
@@ -140,7 +140,7 @@ fn a_ball_is_the_same_in_used_memory() {
 }
 
 #[test]
-fn slabs_of_which_bricks_tell_that_they_are_empty_or_full_are_passed_over() {
+fn slabs_of_which_bricks_tell_that_they_are_empty_or_full_leave_the_others_as_they_are() {
     // Full below, then nothing, a ball, nothing, a ball of nothing in what is full, nothing.
     let sample = |n: u64| {
         let [i, j, k] = [n % 70, n / 70 % 30, n / 2100].map(|i| i as f64);
@@ -160,10 +160,13 @@ fn slabs_of_which_bricks_tell_that_they_are_empty_or_full_are_passed_over() {
         let meshes = &mut [&mut one, &mut other];
         let by_passes = with_bricks(&view, 0.5, &options, meshes, &job(1));
         assert!(one == expected && other == expected, "{options:?}");
-        for threads in 1..4 {
-            let mut mesh = used(9000, 20_000, Precision::F32);
+        let (vertices, triangles) = (expected.positions.len(), expected.triangles.len());
+        // All fits, and all but what comes last.
+        let sizes = [(vertices, triangles), (vertices - 1, triangles)];
+        for (threads, (vertices, triangles)) in (1..4).flat_map(|n| sizes.map(|size| (n, size))) {
+            let mut mesh = used(vertices, triangles, Precision::F32);
             let skipped = with_bricks(&view, 0.5, &options, &mut [&mut mesh], &job(threads));
-            assert!(mesh == expected, "on {threads} threads, {options:?}");
+            assert!(mesh == expected, "{vertices} on {threads} threads, {options:?}");
             assert_eq!(skipped, by_passes);
             assert!(skipped.samples_read < 70 * 30 * 100, "{skipped:?}");
         }
@@ -355,8 +358,37 @@ proptest! {
         let mut mesh = used(held.0, held.1, Precision::F32);
         extract_into(&view, iso, options, &mut mesh.refill(), &job(threads)).unwrap();
         prop_assert!(mesh == expected);
-        let mut mesh = used(held.0, held.1, Precision::F32);
-        with_bricks(&view, iso, options, &mut [&mut mesh], &job(threads));
+    }
+
+    #[test]
+    fn any_volume_of_mostly_one_value_is_the_same_with_bricks_of_it_or_of_a_larger_one(
+        dims in [1..140_u64, 1..50_u64, 1..90_u64],
+        cut in [0..70_usize, 0..12_usize, 0..12_usize],
+        (rare, most) in (1..40_u64, 0..9_u16),
+        seed in any::<u64>(),
+        held in (0..9000_usize, 0..18_000_usize),
+        threads in 1..4_usize,
+        option in 0..32_usize,
+    ) {
+        // Other values in some blocks only, whose sizes are those of bricks.
+        let sample = |n: u64| {
+            let [i, j, k] = [n % dims[0], n / dims[0] % dims[1], n / dims[0] / dims[1]];
+            let block = chance((i / 64 + 8 * (j / 8) + 1000 * (k / 8)) ^ seed);
+            if block.is_multiple_of(rare) { (chance(n ^ seed) % 9) as u16 } else { most }
+        };
+        let (whole, options) = (volume(dims, sample), &all_options()[option]);
+        let bricks = Bricks::of(&whole.view(), &Job::default()).unwrap();
+        let part = [0, 1, 2].map(|axis| {
+            let end = dims[axis] as usize;
+            cut[axis].min(end - 1)..end
+        });
+        let (view, bricks) = (whole.view().part(part.clone()).unwrap(), bricks.part(&part).unwrap());
+        let (expected, mut mesh) = (by_passes(&view, 4.0, options), used(held.0, held.1, Precision::F32));
+        let source = Source::with_bricks(&view, &bricks).unwrap();
+        extract_many(source, &[4.0], options, &mut [mesh.refill()], &job(threads)).unwrap();
         prop_assert!(mesh == expected);
+        let mut mesh = used(held.0, held.1, Precision::F32);
+        with_bricks(&whole.view(), 4.0, options, &mut [&mut mesh], &job(threads));
+        prop_assert!(mesh == by_passes(&whole.view(), 4.0, options));
     }
 }

@@ -43,7 +43,7 @@ impl Scan {
 
     /// The surfaces of several isovalues, for which the samples are classified once, each in the memory
     /// of a used mesh. What comes back says too what an index told not to do; an index by which the
-    /// surfaces go through more than an eighth of the part is left aside, for then to ask it takes longer.
+    /// surfaces go through more than an eighth of the part is left aside, for it saves little or nothing then.
     ///
     /// # Errors
     ///
