@@ -109,6 +109,12 @@ impl Runs {
     }
 }
 
+/// Whether brick `n`, whose samples are on a side, can hold a part of the surface: where that is closed, there is a cap
+/// between samples inside and the border.
+pub(crate) fn can_hold(grid: &BrickGrid, n: usize, side: Side, is_closed: bool) -> bool {
+    side == Side::Both || is_closed && side == Side::Inside && grid.is_at_border(n)
+}
+
 /// For each layer of bricks, the rows of bricks from the first to the last that has one that is set.
 pub(crate) fn spans(grid: &BrickGrid, is_set: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let [nx, ny, nz] = grid.counts();
@@ -195,11 +201,7 @@ impl Choice {
         let is_compared: Vec<bool> = (0..count).map(both).collect();
         let (mut full, mut visits) = (vec![], vec![]);
         for Sides { of_brick, .. } in &sides {
-            // Between samples inside and the guard lies a cap.
-            let is_capped = |n: usize| {
-                lattice.guard == 1 && of_brick[n] == Side::Inside && grid.is_at_border(n)
-            };
-            let spans = spans(&grid, |n| of_brick[n] == Side::Both || is_capped(n));
+            let spans = spans(&grid, |n| can_hold(&grid, n, of_brick[n], lattice.guard == 1));
             let around = around(&grid, &spans);
             let is_around = |n: usize| around[n / (nx * ny)].contains(&(n / nx % ny));
             let is_needed =

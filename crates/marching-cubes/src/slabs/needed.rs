@@ -7,7 +7,7 @@
 use super::Slabs;
 use crate::{
     Boundary, Nan, Placement, Skipped,
-    sparse::{around, spans},
+    sparse::{around, can_hold, spans},
 };
 use isokit_lanes::Side;
 use isokit_volume::{BrickGrid, Bricks, Sample, SlabSource};
@@ -39,12 +39,11 @@ impl<T: Sample> Needed<T> {
         }
         let isos = slabs.isos.iter().map(|&iso| source.scaling().threshold(iso));
         let sides: Vec<_> = isos.map(|threshold| bricks.sides(threshold).of_brick).collect();
-        let is_at = |n: usize, side: Side| sides.iter().any(|of_brick| of_brick[n] == side);
         let is_closed = slabs.options.boundary == Boundary::Closed;
         let (grid, all) = (*bricks.grid(), bricks.extents().len());
-        // Beside samples inside at the border there is a cap.
-        let is_capped = |n: usize| is_closed && is_at(n, Side::Inside) && grid.is_at_border(n);
-        let spans = spans(&grid, |n| is_at(n, Side::Both) || is_capped(n));
+        let spans = spans(&grid, |n| {
+            sides.iter().any(|of_brick| can_hold(&grid, n, of_brick[n], is_closed))
+        });
         let rows = around(&grid, &spans).into_iter().map(|bricks| match bricks.is_empty() {
             true => 0..0,
             false => {
@@ -52,7 +51,8 @@ impl<T: Sample> Needed<T> {
             }
         });
         let rows = rows.collect();
-        let skipped = (0..all).filter(|&n| !is_at(n, Side::Both)).count() as u64;
+        let is_compared = |n: &usize| sides.iter().any(|of_brick| of_brick[*n] == Side::Both);
+        let skipped = (all - (0..all).filter(is_compared).count()) as u64;
         Some(Self { bricks: bricks.clone(), rows, skipped })
     }
 
