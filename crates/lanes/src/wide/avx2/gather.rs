@@ -10,16 +10,27 @@ use crate::{
 };
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
-/// The four bytes from each sample on.
+/// The four bytes from each sample on. Not by `gather_rows`: it is inlined in some hundred places, and loops over one
+/// row took the compiler longer than all the rest of the crate (Rust 1.95).
 ///
 /// # Safety
 ///
 /// They must lie in the slice that `base` was made from, where `at` counts up and down from it.
 #[inline(always)]
 pub(super) unsafe fn gather<T>(wide: Avx2, base: *const T, at: U32) -> [__m256i; 2] {
-    // SAFETY: the caller says so.
-    let [row] = unsafe { gather_rows(wide, [base], at) };
-    row
+    let numbers = wide.store(at);
+    macro_rules! load {
+        ($n:expr) => {
+            base.wrapping_offset(numbers[$n] as i32 as isize).cast::<i32>().read_unaligned()
+        };
+    }
+    // SAFETY: there is a token, and the caller says that these bytes are there.
+    unsafe {
+        two!(N => _mm256_setr_epi32(
+            load!(8 * N), load!(8 * N + 1), load!(8 * N + 2), load!(8 * N + 3),
+            load!(8 * N + 4), load!(8 * N + 5), load!(8 * N + 6), load!(8 * N + 7),
+        ))
+    }
 }
 
 /// Of each row the four bytes from each sample on. The rows of one place are loaded one after another, so that its
@@ -46,16 +57,16 @@ pub(super) unsafe fn gather_rows<T, const ROWS: usize>(
         let mut quarters = [[_mm_setzero_si128(); ROWS]; 4];
         macro_rules! fill {
             ($($quarter:expr),*) => {$(
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                for (row, base) in quarters[$quarter].iter_mut().zip(&bases) {
                     *row = _mm_cvtsi32_si128(load!(base, 4 * $quarter));
                 }
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                for (row, base) in quarters[$quarter].iter_mut().zip(&bases) {
                     *row = _mm_insert_epi32::<1>(*row, load!(base, 4 * $quarter + 1));
                 }
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                for (row, base) in quarters[$quarter].iter_mut().zip(&bases) {
                     *row = _mm_insert_epi32::<2>(*row, load!(base, 4 * $quarter + 2));
                 }
-                for (row, base) in quarters[$quarter].iter_mut().zip(bases) {
+                for (row, base) in quarters[$quarter].iter_mut().zip(&bases) {
                     *row = _mm_insert_epi32::<3>(*row, load!(base, 4 * $quarter + 3));
                 }
             )*};
