@@ -3,7 +3,7 @@
 //! What is added up per chunk, and then chunk after chunk in order, is the same sum for any number of
 //! threads. Between chunks a task looks whether it should stop, and tells how far it is.
 
-use crate::{Cancelled, Job};
+use crate::{Cancelled, Job, Work};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ pub fn in_chunks<T: Send>(
     job: &Job,
     work: impl Fn(Range<usize>) -> T + Sync,
 ) -> Result<Vec<T>, Cancelled> {
-    let chunk = |n: usize| {
+    let chunk: Work<'_, _, _> = &|n: usize| {
         job.check()?;
         let range = n * CHUNK..items.min((n + 1) * CHUNK);
         let length = range.len() as u64;

@@ -46,10 +46,10 @@ impl Threads {
 
     /// Runs `work`, and all that it does in parallel, on these threads.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match &self.0 {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
+        let Some(pool) = &self.0 else { return work() };
+        let (mut work, mut result) = (Some(work), None);
+        install(pool, &mut || result = work.take().map(|work| work()));
+        result.expect("the pool does all work that it is given")
     }
 
     /// How many threads there are.
@@ -59,6 +59,11 @@ impl Threads {
             None => rayon::current_num_threads(),
         }
     }
+}
+
+/// Not generic, for the reason that [`Work`](crate::Work) has.
+fn install(pool: &rayon::ThreadPool, work: &mut (dyn FnMut() + Send)) {
+    pool.install(work);
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! A task whose results go behind those of the task before must know how much that makes. If tasks begin in
 //! their order, the one before is hardly ever later: so nobody waits long, and nobody is woken.
 
+use crate::Work;
 use rayon::prelude::*;
 use std::{
     hint::spin_loop,
@@ -52,7 +53,7 @@ impl Turns {
         begin: impl Fn() -> S + Sync,
         task: impl Fn(&mut S, usize) -> Result<(), E> + Sync,
     ) -> Result<(), E> {
-        let work = |_| {
+        let work: Work<'_, _, _> = &|_| {
             let _end = EndInPanic(self);
             let mut own = begin();
             while !self.is_over() {

@@ -9,7 +9,7 @@ use crate::{
     vertex::Placer,
     winding::Winding,
 };
-use isokit_job::{Cancelled, Job};
+use isokit_job::{Cancelled, Job, WorkWith};
 use isokit_lanes::{
     BLOCK, Coordinate, Edges, FirstVertices, Word, add_cases, exactly, prefer_large_pages, provide,
     triangles,
@@ -146,7 +146,8 @@ impl<T: Sample> Fill<'_, T> {
             let own = (after.triangles - before.triangles) as usize;
             tasks.push((first..end, room.split_off(vertices), split_off(&mut triangles, own)));
         }
-        let fill = |scratch: &mut Scratch, (slices, mut room, mut triangles): Task<'_, C>| {
+        let fill: WorkWith<'_, _, _, _> = &|scratch: &mut Scratch, task: Task<'_, C>| {
+            let (slices, mut room, mut triangles) = task;
             job.check()?;
             provide(triangles);
             room.provide();

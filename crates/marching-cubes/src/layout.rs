@@ -13,7 +13,7 @@ use crate::{
     planes::{Counted, Lattice, Planes},
     trilinear::{SpecialCells, Values},
 };
-use isokit_job::{Cancelled, Job};
+use isokit_job::{Cancelled, Job, Work};
 use isokit_lanes::{
     Word, count_flat_rows, count_rows, count_rows_with_open, count_words, exactly,
     open_words_of_rows, words_of_rows,
@@ -79,7 +79,7 @@ impl Layout {
         let live = live.transpose()?;
         let counting = Counting { planes, live: live.as_ref() };
         let tasks = rows.par_chunks_mut(ny.saturating_mul(layers_per_task)).enumerate();
-        let counted = tasks.map(|(task, slab)| {
+        let of_slab: Work<'_, _, _> = &|(task, slab): (usize, &mut [Row])| {
             job.check()?;
             let mut scratch = vec![];
             let slices = slab.chunks_exact_mut(ny).enumerate();
@@ -100,8 +100,8 @@ impl Layout {
                 (counts_of(slice, &special), special)
             });
             Ok(counts.collect::<Vec<_>>())
-        });
-        let counted = counted.collect::<Result<Vec<_>, Cancelled>>()?;
+        };
+        let counted = tasks.map(of_slab).collect::<Result<Vec<_>, Cancelled>>()?;
         let (counted, special): (Vec<_>, Vec<_>) = counted.into_iter().flatten().unzip();
         let slices = running_sum(*before, &counted);
         let widest = counted.iter().map(|slice| slice.triangles).max().unwrap_or(0);
@@ -109,12 +109,12 @@ impl Layout {
         let slices_of_rows = rows.par_chunks_exact_mut(ny).zip(slices.par_windows(2)).enumerate();
         // No triangle names an edge of a slice without, unless it is that after the last own one. No number
         // exceeds the total, which fits.
-        let is_named = |z: usize, ends: &[Counts]| ends[0] != ends[1] || z == own.end;
-        slices_of_rows.filter(|(z, (_, ends))| is_named(*z, ends)).for_each(
-            |(_, (slice, ends))| {
+        let number: Work<'_, _, _> = &|(z, (slice, ends)): (usize, (&mut [Row], &[Counts]))| {
+            if ends[0] != ends[1] || z == own.end {
                 number_rows(slice, ends[0].vertices as u32);
-            },
-        );
+            }
+        };
+        slices_of_rows.for_each(number);
         Ok(Self { first: 0, rows, slices, live, special })
     }
 

@@ -2,7 +2,7 @@
 //! they are in the cache. No plane is kept. Where the machine counts eight planes side by side, they are.
 
 use crate::planes::{Lattice, Signs};
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::{Layer, Rows, Threshold, Thresholds, exactly};
 use isokit_mesh::Counts;
 use isokit_volume::{Sample, View};
@@ -91,7 +91,7 @@ impl<'a, T: Sample> Tally<'a, T> {
         let slices = self.signs.lattice.points[2];
         let per_task = slices.div_ceil(TASKS * job.threads.count());
         let tasks = slices.div_ceil(per_task);
-        let count = |task| {
+        let count: Work<'_, _, _> = &|task| {
             let first = task * per_task;
             exactly(|| self.some(first..slices.min(first + per_task), job))
         };

@@ -4,7 +4,7 @@ use crate::{
     Interpolant,
     transfer::{Lookup, Scale},
 };
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, words};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ impl Clear {
         reach.fill(u8::MAX);
         let looks = Looks { view, scale: Scale::of(view.scaling()), lookup, around };
         let [nx, ny, _] = bricks.grid().counts();
-        let layer = |(z, blocks): (usize, &mut [u8])| {
+        let layer: Work<'_, _, _> = &|(z, blocks): (usize, &mut [u8])| {
             job.check()?;
             for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
                 // Those beside it too, if they are so near.

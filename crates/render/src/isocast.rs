@@ -23,7 +23,7 @@ use crate::{
     shading::Shading,
 };
 use isokit_geom::HalfSpace;
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::{Side, exactly};
 use isokit_volume::{Bricks, Sample, Sides, View};
 use rayon::prelude::*;
@@ -120,7 +120,7 @@ pub fn isocast<T: Sample>(
     };
     let points = options.smoothing.places();
     let share = 1.0 / points.len() as f32;
-    let row = |(row, pixels): (usize, &mut [Gathered])| {
+    let row: Work<'_, _, _> = &|(row, pixels): (usize, &mut [Gathered])| {
         exactly(|| {
             job.check()?;
             let (mut known, mut traced) = (walk.begin(), Traced::default());
@@ -137,10 +137,8 @@ pub fn isocast<T: Sample>(
         })
     };
     let rows = image.pixels_mut().par_chunks_mut(width).enumerate();
-    // Sums of whole numbers are the same in any order.
-    let both = |a: Traced, b: Traced| Ok::<_, Stopped>(a.with(b));
-    let traced = job.threads.run(|| rows.map(row).try_reduce(Traced::default, both))?;
-    Ok((image, traced))
+    let traced = job.threads.run(|| rows.map(row).collect::<Result<Vec<_>, Stopped>>())?;
+    Ok((image, traced.into_iter().fold(Traced::default(), Traced::with)))
 }
 
 /// On which side of a surface bricks are.

@@ -31,7 +31,7 @@ use crate::{
     transfer::Lookup,
 };
 use isokit_geom::HalfSpace;
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::exactly;
 use isokit_volume::{Bricks, Sample, View};
 use march::March;
@@ -255,7 +255,7 @@ impl<T: Sample> Rays<'_, T> {
             return Ok(Cast::default());
         };
         let march = March::new(medium, (lookup, clear.as_ref(), cloud), options);
-        let band = |(band, pixels): (usize, &mut [Gathered])| {
+        let band: Work<'_, _, _> = &|(band, pixels): (usize, &mut [Gathered])| {
             exactly(|| {
                 job.check()?;
                 let rows = pixels.len() / width;
@@ -279,9 +279,8 @@ impl<T: Sample> Rays<'_, T> {
             })
         };
         let bands = image.pixels_mut().par_chunks_mut(width * BAND).enumerate();
-        // Sums of whole numbers are the same in any order.
-        let both = |a: Cast, b: Cast| Ok::<_, Stopped>(a.with(b));
-        exactly(|| job.threads.run(|| bands.map(band).try_reduce(Cast::default, both)))
+        let cast = job.threads.run(|| bands.map(band).collect::<Result<Vec<_>, Stopped>>())?;
+        Ok(cast.into_iter().fold(Cast::default(), Cast::with))
     }
 }
 

@@ -25,7 +25,7 @@ use crate::{
     transfer::Lookup,
 };
 use footprint::Footprint;
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::exactly;
 use isokit_volume::Sample;
 use rayon::prelude::*;
@@ -106,7 +106,7 @@ pub fn splat<T: Sample>(
         let bins = bins(&blocks, size, job)?;
         job.progress.begin("render", bins.len() as u64);
         job.limits.probe("parts of the picture", Some(size.pixels()), size_of::<Gathered>())?;
-        let tile = |(number, bin): (usize, &Vec<u32>)| {
+        let tile: Work<'_, _, _> = &|(number, bin): (usize, &Vec<u32>)| {
             exactly(|| {
                 job.check()?;
                 let drawn = tiles.draw(number, &blocks, bin, job)?;

@@ -5,7 +5,7 @@
 //! others are found here, 64 cells at a time.
 
 use crate::{Sample, View};
-use isokit_job::{Job, OverLimit, Stopped};
+use isokit_job::{Job, OverLimit, Stopped, Work};
 use isokit_lanes::{Threshold, Thresholds, WORD, exactly, signs_of_many, words};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -43,7 +43,7 @@ pub fn bare_cells<T: Sample>(
         return Ok((inner == Threshold::Never).then(Crossed::default));
     };
     let layers = view.dims()[2] - 1;
-    let chunk = |n: usize| {
+    let chunk: Work<'_, _, _> = &|n: usize| {
         job.check()?;
         let range = n * LAYERS..layers.min((n + 1) * LAYERS);
         exactly(|| Ok(Rows::of(view, &thresholds, range.clone(), job)?.bare(range)))

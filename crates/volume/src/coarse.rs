@@ -2,7 +2,7 @@
 
 use crate::{AnyVolume, Dtype, Grid, Sample, View, Volume};
 use isokit_geom::Frame;
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::exactly;
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ fn means<T: Sample, M: Sample>(
         let range = middle.saturating_sub(reach)..(middle + reach + 1).min(old[axis]);
         range.map(move |at| (at, if at == middle { 2.0 } else { 1.0 }))
     };
-    let row = |(number, row): (usize, &mut [M])| {
+    let row: Work<'_, _, _> = &|(number, row): (usize, &mut [M])| {
         exactly(|| {
             let (y, z) = (number % ny, number / ny);
             let (mut sums, mut weights) = (vec![0.0; old[0]], vec![0.0; old[0]]);
@@ -78,7 +78,7 @@ fn means<T: Sample, M: Sample>(
         job.check()
     };
     let rows = samples.par_chunks_mut(nx).enumerate();
-    job.threads.run(|| rows.map(row).try_reduce(|| (), |(), ()| Ok(())))?;
+    job.threads.run(|| rows.try_for_each(row))?;
     let frame = view.frame();
     let index_to_world = frame.index_to_world.scaled_steps(steps.map(|n| n as f64));
     let index_to_world = index_to_world.expect("no axis has the steps that are too long to double");

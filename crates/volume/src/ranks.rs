@@ -1,7 +1,7 @@
 //! How often each sample occurs, of the types that have few: those of one and two bytes.
 
 use crate::{Sample, View};
-use isokit_job::{Cancelled, Job};
+use isokit_job::{Cancelled, Job, Work};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ pub(crate) fn of_parts<R: Send>(
     of_slices: impl Fn(Range<usize>) -> Result<R, Cancelled> + Sync,
 ) -> Result<Vec<R>, Cancelled> {
     let per_part = slices.div_ceil(job.threads.count());
-    let part = |first: usize| of_slices(first..slices.min(first + per_part));
+    let part: Work<'_, _, _> = &|first: usize| of_slices(first..slices.min(first + per_part));
     job.threads.run(|| (0..slices).into_par_iter().step_by(per_part).map(part).collect())
 }
 

@@ -1,7 +1,7 @@
 //! One axis after the other, sixteen lines abreast.
 
 use super::{ResampleError, Weights};
-use isokit_job::{Job, OverLimit, Stopped};
+use isokit_job::{Job, OverLimit, Stopped, WorkWith};
 use isokit_lanes::{Abreast, Real, exactly, find_weights, weigh};
 use isokit_volume::{Sample, View};
 use rayon::prelude::*;
@@ -40,6 +40,14 @@ impl<F: Real> Bundle<F> {
     }
 }
 
+impl<F: Real> Weights<F> {
+    /// What makes a bundle for each thread.
+    fn bundle(&self) -> impl Fn() -> Bundle<F> + Sync {
+        let sizes = self.sizes;
+        move || Bundle::new(sizes)
+    }
+}
+
 impl<T: Sample, F: Real + Sample> Passes<'_, T, F> {
     /// The new samples, x fastest.
     pub(super) fn made(&self) -> Result<Vec<F>, ResampleError> {
@@ -60,7 +68,7 @@ impl<T: Sample, F: Real + Sample> Passes<'_, T, F> {
         let mut samples = self.room([count, ny, nz])?;
         let is_spline = self.weights.iter().any(|weights| weights.recursion.is_some());
         job.progress.begin("resample along x", (ny * nz) as u64);
-        let group = |bundle: &mut Bundle<F>, (number, rows): (usize, &mut [F])| {
+        let group: WorkWith<'_, Bundle<F>, _, _> = &|bundle, (number, rows): (usize, &mut [F])| {
             exactly(|| {
                 let (first, lines) = (number * LINES, rows.len() / count);
                 let (mut scratch, mut are_finite) = (vec![], true);
@@ -87,8 +95,7 @@ impl<T: Sample, F: Real + Sample> Passes<'_, T, F> {
             })
         };
         let groups = samples.par_chunks_mut(LINES * count).enumerate();
-        let done =
-            job.threads.run(|| groups.try_for_each_init(|| Bundle::new(weights.sizes), group));
+        let done = job.threads.run(|| groups.try_for_each_init(weights.bundle(), group));
         match done {
             Ok(()) => Ok(samples),
             Err(Cut::Stopped(stopped)) => Err(stopped.into()),
@@ -117,26 +124,27 @@ impl<T: Sample, F: Real + Sample> Passes<'_, T, F> {
         }
         let (start, step) = if axis == 1 { (nx * ny, nx) } else { (nx, nx * ny) };
         job.progress.begin(["", "resample along y", "resample along z"][axis], planes as u64);
-        let group = |bundle: &mut Bundle<F>, (plane, mut rows): (usize, Vec<&mut [F]>)| {
-            exactly(|| {
-                for x in (0..nx).step_by(LINES) {
-                    let lines = LINES.min(nx - x);
-                    for (n, numbers) in bundle.line[1..=weights.sizes[0]].iter_mut().enumerate() {
-                        let place = plane * start + n * step + x;
-                        numbers.0[..lines].copy_from_slice(&from[place..place + lines]);
+        let group: WorkWith<'_, Bundle<F>, _, _> =
+            &|bundle, (plane, mut rows): (usize, Vec<&mut [F]>)| {
+                exactly(|| {
+                    for x in (0..nx).step_by(LINES) {
+                        let lines = LINES.min(nx - x);
+                        for (n, numbers) in bundle.line[1..=weights.sizes[0]].iter_mut().enumerate()
+                        {
+                            let place = plane * start + n * step + x;
+                            numbers.0[..lines].copy_from_slice(&from[place..place + lines]);
+                        }
+                        bundle.make(weights);
+                        for (row, numbers) in rows.iter_mut().zip(&bundle.made) {
+                            row[x..x + lines].copy_from_slice(&numbers.0[..lines]);
+                        }
                     }
-                    bundle.make(weights);
-                    for (row, numbers) in rows.iter_mut().zip(&bundle.made) {
-                        row[x..x + lines].copy_from_slice(&numbers.0[..lines]);
-                    }
-                }
-                job.progress.advance(1);
-                job.check()
-            })
-        };
+                    job.progress.advance(1);
+                    job.check()
+                })
+            };
         let groups = groups.into_par_iter().enumerate();
-        let done =
-            job.threads.run(|| groups.try_for_each_init(|| Bundle::new(weights.sizes), group));
+        let done = job.threads.run(|| groups.try_for_each_init(weights.bundle(), group));
         done.map_err(Stopped::from)?;
         Ok(samples)
     }

@@ -19,7 +19,7 @@ impl<T: Sample> Signs<'_, T> {
             self.classify_chosen(k, choice, slices, &mut vec![]);
         };
         let is_blank = |k: usize| choice.skips_slice(k);
-        Ok(slice_by_slice(self.lattice, count, is_blank, fill, None, job)?.0)
+        Ok(slice_by_slice(self.lattice, count, &is_blank, &fill, None, job)?.0)
     }
 
     /// The chosen bits of slice `k` of the samples, over zeros for each threshold.

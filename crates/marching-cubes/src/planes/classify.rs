@@ -2,7 +2,7 @@
 
 use super::{Counted, Lattice, PIECE, PIECE_WORDS, Plane, Planes, Signs, behind_guard};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
-use isokit_job::{Cancelled, Job, OverLimit, Stopped};
+use isokit_job::{Cancelled, Job, OverLimit, Stopped, Work};
 use isokit_lanes::{
     BitRows, RowCounts, Threshold, Thresholds, count_rows, exactly, has_nan, nans, signs_of_many,
     words,
@@ -146,7 +146,7 @@ fn planes<T: Sample, E>(
         }
         found
     };
-    let (planes, found) = slice_by_slice(lattice, count, |_| false, fill, counted, job)?;
+    let (planes, found) = slice_by_slice(lattice, count, &|_| false, &fill, counted, job)?;
     let mut nan = Found::default();
     found.into_iter().for_each(|found| nan.add(found));
     Ok((planes, nan))
@@ -167,8 +167,8 @@ const TASKS: usize = 16;
 pub(super) fn slice_by_slice<F: Send>(
     lattice: Lattice,
     count: usize,
-    is_blank: impl Fn(usize) -> bool + Sync,
-    fill: impl Fn(usize, &mut [&mut [u64]]) -> F + Sync,
+    is_blank: Work<'_, usize, bool>,
+    fill: &(dyn Fn(usize, &mut [&mut [u64]]) -> F + Sync),
     counted: Option<&mut Counted>,
     job: &Job,
 ) -> Result<(Vec<Plane>, Vec<F>), Stopped> {
@@ -187,7 +187,7 @@ pub(super) fn slice_by_slice<F: Send>(
             job.check()?;
             let own = first..all.end.min(first + together);
             job.progress.advance(own.len() as u64);
-            if own.clone().all(&is_blank) {
+            if own.clone().all(is_blank) {
                 groups.push(vec![vec![]; count]);
                 continue;
             }

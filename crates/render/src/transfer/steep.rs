@@ -2,7 +2,7 @@
 
 use crate::TransferFunction;
 use isokit_geom::vector::{Vector, length};
-use isokit_job::{Cancelled, Job};
+use isokit_job::{Cancelled, Job, Work};
 use isokit_lanes::exactly;
 use isokit_volume::{Sample, View, gradient};
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ pub fn full_slope<T: Sample>(
 ) -> Result<f64, Cancelled> {
     let columns = view.frame().index_to_world.covector_columns();
     let [nx, ny, nz] = view.dims();
-    let slice = |k: usize| {
+    let slice: Work<'_, _, _> = &|k: usize| {
         exactly(|| {
             job.check()?;
             let mut counts = vec![0_u64; COUNTS];

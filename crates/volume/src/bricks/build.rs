@@ -6,7 +6,7 @@
 
 use super::{BrickGrid, Bricks};
 use crate::{Sample, SlabSource, View, passes::each_piece};
-use isokit_job::{Cancelled, Job, Stopped};
+use isokit_job::{Cancelled, Job, Stopped, Work};
 use isokit_lanes::{Columns, Extent, add_row, exactly, words};
 use rayon::prelude::*;
 
@@ -24,12 +24,11 @@ impl<T: Sample> Bricks<T> {
         job.limits.allow("bricks", all, size_of::<Extent<T>>())?;
         job.progress.begin("index", nz as u64);
         let slices = job.threads.run(|| {
-            let slices = (0..nz).into_par_iter().map(|k| {
+            of_slices(nz, &|k| {
                 job.check()?;
                 job.progress.advance(1);
                 Ok(exactly(|| of_slice(view, &grid, k)))
-            });
-            slices.collect::<Result<Vec<_>, Cancelled>>()
+            })
         })?;
         let mut extents = Vec::with_capacity(grid.counts.iter().product());
         exactly(|| {
@@ -59,11 +58,12 @@ impl<T: Sample> Bricks<T> {
         let mut extents = vec![Extent::EMPTY; per_layer * grid.counts[2]];
         let mut before = 0;
         each_piece(&mut source, "index", job, |view| {
-            let slices = (0..view.dims()[2]).into_par_iter().map(|k| {
-                job.check()?;
-                Ok(exactly(|| of_slice(&view, &grid, k)))
-            });
-            let slices = job.threads.run(|| slices.collect::<Result<Vec<_>, Cancelled>>())?;
+            let slices = job.threads.run(|| {
+                of_slices(view.dims()[2], &|k| {
+                    job.check()?;
+                    Ok(exactly(|| of_slice(&view, &grid, k)))
+                })
+            })?;
             for (slice, k) in slices.iter().zip(before..) {
                 for layer in grid.brick_of(2, k.max(1) - 1)..=grid.brick_of(2, k) {
                     let own = &mut extents[per_layer * layer..per_layer * (layer + 1)];
@@ -77,6 +77,14 @@ impl<T: Sample> Bricks<T> {
         })?;
         Ok(Self { grid, extents })
     }
+}
+
+/// What is found of each slice, by its number.
+fn of_slices<R: Send>(
+    slices: usize,
+    of_slice: Work<'_, usize, Result<R, Cancelled>>,
+) -> Result<Vec<R>, Cancelled> {
+    (0..slices).into_par_iter().map(of_slice).collect()
 }
 
 /// The part of each brick that lies in a slice.
