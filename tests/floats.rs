@@ -17,13 +17,17 @@ use isokit::{
     },
     mesh::{TriMesh, topology},
     refine::{Isosurface, RefineOptions, Subdivision, refine},
+    render::{
+        Camera, ControlPoint, Image, Medium, OpticalModel, Projection, RaycastOptions, Scatter,
+        Size, TransferFunction, raycast, splat,
+    },
     volume::{Bricks, Grid, Histogram, Sample, Slices, Statistics, Volume},
 };
 use isokit_tests::chance::Chance;
 use std::{
     env, fs,
     hint::black_box,
-    num::NonZeroUsize,
+    num::{NonZeroU32, NonZeroUsize},
     path::{Path, PathBuf},
     process::Command,
 };
@@ -90,8 +94,48 @@ fn refinements() -> [RefineOptions; 3] {
     ]
 }
 
-/// All that comes of a volume, as one number a line.
-fn digests<T: Sample>(volume: &Volume<T>, iso: f64, lines: &mut Vec<String>) {
+/// Pictures of values up to five times a unit.
+fn pictures<T: Sample>(
+    volume: &Volume<T>,
+    bricks: &Bricks<T>,
+    unit: f64,
+    job: &Job,
+) -> [Digest; 2] {
+    let point = |n: u8| {
+        let color = [n % 2, n % 3, n % 5].map(|c| f32::from(c) / 4.0);
+        let opacity = [0.0, 0.0, 0.01, 0.3, 0.2, 0.9][usize::from(n)];
+        ControlPoint { value: f64::from(n) * unit, color, opacity }
+    };
+    let function = TransferFunction::new((0..6).map(point).collect()).unwrap();
+    let model = OpticalModel::from(function);
+    let medium = Medium { view: &volume.view(), bricks: Some(bricks), model: &model, clips: &[] };
+    let middle = [6.0, 5.0, 7.0];
+    let projection = Projection::Parallel { height: 20.0 };
+    let camera = Camera::new([20.0, 9.0, 30.0], middle, [0.0, 1.0, 0.0], projection).unwrap();
+    let pixels = NonZeroU32::new(24).unwrap();
+    let camera = (&camera, Size { width: pixels, height: pixels });
+    let from = [1.0, 2.0, 3.0];
+    let scatter = Scatter { from, strength: 1.0, ambient: 0.1, ahead: 0.2 };
+    let options = RaycastOptions::DEFAULT.with_light(None);
+    let cast = options.with_scatter(Some(scatter));
+    let digest = |image: &Image, done: String| {
+        let parts =
+            image.pixels().iter().flat_map(|p| [p.color[0], p.color[1], p.color[2], p.opacity]);
+        assert!(image.pixels().iter().any(|pixel| pixel.opacity > 0.1), "something is seen");
+        Digest::NEW.with(parts.map(|c| u64::from(c.to_bits()))).with(done.bytes().map(u64::from))
+    };
+    let (image, cast) = raycast(&medium, camera, &cast, job).unwrap();
+    let (splatted, done) = splat(&medium, camera, &options, job).unwrap();
+    [digest(&image, format!("{cast:?}")), digest(&splatted, format!("{done:?}"))]
+}
+
+/// All that comes of a volume, as one number a line; pictures if it has a unit: of such numbers of f64 a transfer
+/// function makes none.
+fn digests<T: Sample>(
+    volume: &Volume<T>,
+    (iso, unit): (f64, Option<f64>),
+    lines: &mut Vec<String>,
+) {
     let (view, threads) = (volume.view(), Threads::new(NonZeroUsize::new(3).unwrap()).unwrap());
     for job in [Job::default(), Job { threads, ..Job::default() }] {
         let bricks = Bricks::of(&view, &job).unwrap();
@@ -127,6 +171,7 @@ fn digests<T: Sample>(volume: &Volume<T>, iso: f64, lines: &mut Vec<String>) {
             let found = refine(&mut mesh, &surface, &options, &job).unwrap();
             lines.push(format!("{:?} {found:?}", Digest::NEW.with_mesh(&mesh)));
         }
+        lines.extend(unit.map(|unit| format!("{:?}", pictures(volume, &bricks, unit, &job))));
         let mesh = extract(&view, iso, &ExtractOptions::DEFAULT, &job).unwrap();
         lines.push(format!("{:?}", topology(&mesh, &job).unwrap().shortfalls()));
     }
@@ -139,15 +184,15 @@ fn all_digests() -> Vec<String> {
     let mut bits = || (0..grid.count()).map(|_| chance.bits()).collect::<Vec<u64>>();
     let signed = |r: u64| f32::from_bits(((r % 5) | ((r >> 8) << 31)) as u32);
     let volume = Volume::new(grid, bits().into_iter().map(signed).collect()).unwrap();
-    digests(&volume, 0.0, &mut lines);
-    digests(&volume, 1e-45, &mut lines);
+    digests(&volume, (0.0, Some(1e-45)), &mut lines);
+    digests(&volume, (1e-45, Some(1e-45)), &mut lines);
     let signed = |r: u64| f64::from_bits((r % 5) | ((r >> 8) << 63));
     let volume = Volume::new(grid, bits().into_iter().map(signed).collect()).unwrap();
-    digests(&volume, 0.0, &mut lines);
-    digests(&volume, 5e-324, &mut lines);
+    digests(&volume, (0.0, None), &mut lines);
+    digests(&volume, (5e-324, None), &mut lines);
     let mixed = |r: u64| [1.0, -1.0, -1e-40, 1e-40, 0.0][r as usize % 5];
     let volume = Volume::new(grid, bits().into_iter().map(mixed).collect::<Vec<f32>>()).unwrap();
-    digests(&volume, 0.0, &mut lines);
+    digests(&volume, (0.0, Some(5e-41)), &mut lines);
     lines
 }
 

@@ -5,7 +5,7 @@ use crate::{
     transfer::{Lookup, Scale},
 };
 use isokit_job::{Job, Stopped, Work};
-use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, words};
+use isokit_lanes::{Blocks, Columns, Extent, WORD, add_row, exactly, words};
 use isokit_volume::{Bricks, Sample, View};
 use rayon::prelude::*;
 
@@ -66,22 +66,24 @@ impl Clear {
         let [nx, ny, _] = bricks.grid().counts();
         let layer: Work<'_, _, _> = &|(z, blocks): (usize, &mut [u8])| {
             job.check()?;
-            for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
-                // Those beside it too, if they are so near.
-                let mut extents = near(bricks, [x, y, z], around.margin);
-                // Bricks share samples, so that what is clear in each is clear in all; but not beyond their values.
-                let is_clear = match around.is_cubic {
-                    true => {
-                        let all = extents.reduce(|a, b| a.with(b));
-                        let is_border = on_border([x, y, z], bricks.grid().counts());
-                        all.is_none_or(|all| looks.is_clear(&all, is_border))
+            exactly(|| {
+                for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
+                    // Those beside it too, if they are so near.
+                    let mut extents = near(bricks, [x, y, z], around.margin);
+                    // Bricks share samples, so that what is clear in each is clear in all; but not beyond their values.
+                    let is_clear = match around.is_cubic {
+                        true => {
+                            let all = extents.reduce(|a, b| a.with(b));
+                            let is_border = on_border([x, y, z], bricks.grid().counts());
+                            all.is_none_or(|all| looks.is_clear(&all, is_border))
+                        }
+                        false => extents.all(|extent| looks.is_clear(&extent, false)),
+                    };
+                    if !is_clear {
+                        looks.look_into([x, y, z], counts, blocks);
                     }
-                    false => extents.all(|extent| looks.is_clear(&extent, false)),
-                };
-                if !is_clear {
-                    looks.look_into([x, y, z], counts, blocks);
                 }
-            }
+            });
             Ok::<_, Stopped>(())
         };
         let size = counts[0] * counts[1] * BLOCKS[2];

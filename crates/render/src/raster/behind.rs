@@ -53,7 +53,8 @@ pub fn boxes_in_sight(
     job: &Job,
 ) -> Result<Option<Vec<usize>>, RasterError> {
     let view = Viewport::new(camera, size);
-    let spots = || (0..count).into_par_iter().map(|n| Spot::around(boxes(n), &view)).collect();
+    let around = |n| exactly(|| Spot::around(boxes(n), &view));
+    let spots = || (0..count).into_par_iter().map(around).collect();
     let spots: Option<Vec<_>> = job.threads.run(spots);
     let Some(spots) = spots else { return Ok(None) };
     in_sight(surface, (&spots, most), &view, smoothing, job)

@@ -9,7 +9,8 @@
 use super::Medium;
 use crate::{Camera, transfer::slope_at};
 use isokit_geom::vector::{Vector, dot, length, unit};
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
+use isokit_lanes::exactly;
 use isokit_volume::Sample;
 use rayon::prelude::*;
 
@@ -95,14 +96,15 @@ impl Cloud {
                 let hidden = if number == 0 { 0.0 } else { 0.5 * (hides + on_the_way) * far };
                 ((open * (-hidden).exp()) as f32, hides as f32)
             };
-            let found: Vec<(f32, f32)> = job
-                .threads
-                .run(|| (0..wide * tall).into_par_iter().with_min_len(1024).map(one).collect());
-            for (n, &(light, _)) in found.iter().enumerate() {
+            let row: Work<'_, _, _> =
+                &|row: usize| exactly(|| (row * wide..(row + 1) * wide).map(one).collect());
+            let rows = (0..tall).into_par_iter().with_min_len(1024_usize.div_ceil(wide));
+            let found: Vec<Vec<(f32, f32)>> = job.threads.run(|| rows.map(row).collect());
+            for (n, &(light, _)) in found.iter().flatten().enumerate() {
                 let [i, j, k] = place(n);
                 open[i + dims[0] * (j + dims[1] * k)] = light;
             }
-            (before.open, before.hides) = found.into_iter().unzip();
+            (before.open, before.hides) = found.into_iter().flatten().unzip();
             number += 1;
         }
         Ok(Some(Self { dims, open, strength, ambient }))
