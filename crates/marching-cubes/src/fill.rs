@@ -146,7 +146,7 @@ impl<T: Sample> Fill<'_, T> {
             let own = (after.triangles - before.triangles) as usize;
             tasks.push((first..end, room.split_off(vertices), split_off(&mut triangles, own)));
         }
-        let fill: WorkWith<'_, _, _, _> = &|scratch: &mut Scratch, task: Task<'_, C>| {
+        let fill: WorkWith<'_, Scratch, _, _> = &|scratch, task: Task<'_, C>| {
             let (slices, mut room, mut triangles) = task;
             job.check()?;
             provide(triangles);

@@ -279,9 +279,13 @@ impl<T: Sample> Rays<'_, T> {
             })
         };
         let bands = image.pixels_mut().par_chunks_mut(width * BAND).enumerate();
-        let cast = job.threads.run(|| bands.map(band).collect::<Result<Vec<_>, Stopped>>())?;
-        Ok(cast.into_iter().fold(Cast::default(), Cast::with))
+        job.threads.run(|| bands.map(band).try_reduce(Cast::default, both))
     }
+}
+
+/// Sums of whole numbers are the same in any order.
+fn both(a: Cast, b: Cast) -> Result<Cast, Stopped> {
+    Ok(a.with(b))
 }
 
 /// A number from 0 to 1 for each pixel, such that those around a pixel are spread (Jimenez 2014, "Next generation

@@ -5,7 +5,7 @@
 //! they stay in the machine's caches. All sums are of whole numbers, so that parts may be added in any order.
 
 use crate::{Contour, Levels, edges::Metric};
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::{
     Neighbours, Outflow, Outflows, RowNormals, STRIP, Scale, WHOLE, exactly, prefetch,
 };
@@ -225,17 +225,24 @@ fn outflows<T: Sample>(
     job.limits.probe("slices", numbers, size)?;
     let slices = parts.iter().map(|part| part.slices.len() as u64);
     job.progress.begin("spectrum", slices.sum());
-    let part =
-        |part: Part| exactly(|| Pass::new(view, weights, part).outflows(job).map(Outflows::sums));
-    let add = |mut all: Box<[Outflow; 256]>, more: Box<[Outflow; 256]>| {
-        all.iter_mut().zip(*more).for_each(|(all, more)| *all = all.with(more));
-        Ok(all)
-    };
-    let none = || Box::new([Outflow::default(); 256]);
+    let part: Work<'_, _, _> =
+        &|part: Part| exactly(|| Pass::new(view, weights, part).outflows(job).map(Outflows::sums));
     // One by one, since some parts are air.
     let all = || parts.into_par_iter().with_max_len(1).map(part).try_reduce(none, add);
     let all = job.threads.run(all)?;
     Ok(*all)
+}
+
+fn none() -> Box<[Outflow; 256]> {
+    Box::new([Outflow::default(); 256])
+}
+
+fn add(
+    mut all: Box<[Outflow; 256]>,
+    more: Box<[Outflow; 256]>,
+) -> Result<Box<[Outflow; 256]>, Stopped> {
+    all.iter_mut().zip(*more).for_each(|(all, more)| *all = all.with(more));
+    Ok(all)
 }
 
 /// The surfaces at all levels, of samples of one byte on a lattice whose steps are at right angles; else `None`.

@@ -13,7 +13,7 @@ use crate::{
     Levels, bytes,
     edges::{Crossing, Metric},
 };
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::exactly;
 use isokit_volume::{Sample, View};
 use rayon::prelude::*;
@@ -72,7 +72,7 @@ impl ContourSpectrum {
         let slices = (nx as u64 * ny as u64).checked_mul(4 * job.threads.count() as u64);
         job.limits.probe("slices", slices, size_of::<f64>() + size_of::<u32>())?;
         job.progress.begin("spectrum", nz as u64);
-        let part = |n: usize| {
+        let part: Work<'_, _, _> = &|n: usize| {
             let slices = n * per_part..nz.min((n + 1) * per_part);
             exactly(|| Pass::new(view, &levels, metric).part(slices, job))
         };

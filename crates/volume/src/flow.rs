@@ -6,7 +6,7 @@
 
 use crate::{Sample, View, Volume, differences};
 use isokit_geom::vector::{Vector, dot, length};
-use isokit_job::{Job, Stopped};
+use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::exactly;
 use rayon::prelude::*;
 use std::{array, fmt, str::FromStr};
@@ -125,7 +125,7 @@ impl<'a, T: Sample> Vectors<'a, T> {
         let mut values: Vec<f32> = job.limits.zeroed("values of a flow", Some(grid.count()))?;
         job.progress.begin("flow", grid.dims()[2]);
         let covectors = grid.frame.index_to_world.covector_columns();
-        let fill = |(k, values): (usize, &mut [f32])| {
+        let fill: Work<'_, _, _> = &|(k, values): (usize, &mut [f32])| {
             job.check()?;
             exactly(|| self.fill(quantity, (k, &covectors), values));
             job.progress.advance(1);

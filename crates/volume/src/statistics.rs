@@ -1,7 +1,7 @@
 //! The least and greatest value, and what has no value.
 
 use crate::{Bricks, Sample, Scaling, View, ranks::Ranks};
-use isokit_job::{Cancelled, Job, Work};
+use isokit_job::{Cancelled, Job};
 use isokit_lanes::{Extent, exactly};
 use rayon::prelude::*;
 
@@ -38,7 +38,7 @@ impl Statistics {
         job.progress.begin("scan", slices as u64);
         // Few parts, however thin the slices are.
         let per_part = slices.div_ceil(16 * job.threads.count());
-        let of_part: Work<'_, _, _> = &|first: usize| {
+        let of_part = |first: usize| {
             (first..slices.min(first + per_part)).try_fold(Part::EMPTY, |part, k| {
                 job.check()?;
                 job.progress.advance(1);

@@ -41,7 +41,7 @@ impl<F: Real> Bundle<F> {
 }
 
 impl<F: Real> Weights<F> {
-    /// What makes a bundle for each thread.
+    /// What makes bundles. Here it does not know of the type of samples, and so the loops do not.
     fn bundle(&self) -> impl Fn() -> Bundle<F> + Sync {
         let sizes = self.sizes;
         move || Bundle::new(sizes)

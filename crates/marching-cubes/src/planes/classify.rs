@@ -2,7 +2,7 @@
 
 use super::{Counted, Lattice, PIECE, PIECE_WORDS, Plane, Planes, Signs, behind_guard};
 use crate::{ExtractError, Nan, Skipped, Source, found::Found, sparse::Choice};
-use isokit_job::{Cancelled, Job, OverLimit, Stopped, Work};
+use isokit_job::{Cancelled, Job, OverLimit, Stopped};
 use isokit_lanes::{
     BitRows, RowCounts, Threshold, Thresholds, count_rows, exactly, has_nan, nans, signs_of_many,
     words,
@@ -163,11 +163,12 @@ const TASKS: usize = 16;
 
 /// Makes `count` planes. For each slice of samples that is not blank `fill` gets its number and zeros for
 /// each plane. What it finds comes in the order of the slices. Rows of a single plane without blanks are
-/// counted, if that is wanted, as soon as the next slice is there, except where that is another task's.
+/// counted, if that is wanted, as soon as the next slice is there, except where that is another task's. It is
+/// compiled once for all types of samples, as [`isokit_job::Work`] has it.
 pub(super) fn slice_by_slice<F: Send>(
     lattice: Lattice,
     count: usize,
-    is_blank: Work<'_, usize, bool>,
+    is_blank: &(dyn Fn(usize) -> bool + Sync),
     fill: &(dyn Fn(usize, &mut [&mut [u64]]) -> F + Sync),
     counted: Option<&mut Counted>,
     job: &Job,

@@ -2,7 +2,7 @@
 
 use super::{Held, Slabs, needed::Needed};
 use crate::{Placement, Skipped, found::Found, planes::Lattice};
-use isokit_job::{Cancelled, Job, OverLimit};
+use isokit_job::{Cancelled, Job, OverLimit, Work};
 use isokit_lanes::{has_nan, nans, words};
 use isokit_volume::{Bricks, Grid, Sample, Scaling, SlabSource, View};
 use rayon::prelude::*;
@@ -144,7 +144,7 @@ impl<T: Sample> Window<T> {
         }
         let view = self.part(self.new.clone());
         let ([nx, ny, nz], before) = (view.dims(), self.new.start as usize);
-        let of_slice = |k: usize| {
+        let of_slice: Work<'_, _, _> = &|k: usize| {
             job.check()?;
             let (mut found, mut scratch, mut bits) = (Found::default(), vec![], vec![0; words(nx)]);
             for j in 0..ny {

@@ -11,6 +11,15 @@ use rayon::prelude::*;
 const SHIFT: u32 = 49;
 const COUNTS: usize = 1 << (63 - SHIFT);
 
+fn none() -> Vec<u64> {
+    vec![0; COUNTS]
+}
+
+fn sum(mut a: Vec<u64>, b: Vec<u64>) -> Result<Vec<u64>, Cancelled> {
+    a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
+    Ok(a)
+}
+
 /// The slope above which only one in a hundred of the samples is that `function` shows, in values per world unit, but for
 /// an eighth: as steep as the borders of what is seen. 1 where nothing is steep.
 ///
@@ -27,7 +36,7 @@ pub fn full_slope<T: Sample>(
     let slice: Work<'_, _, _> = &|k: usize| {
         exactly(|| {
             job.check()?;
-            let mut counts = vec![0_u64; COUNTS];
+            let mut counts = none();
             for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
                 let value = view.value([i, j, k]);
                 if function.at(value).opacity > 0.0 {
@@ -38,13 +47,7 @@ pub fn full_slope<T: Sample>(
             Ok(counts)
         })
     };
-    let sum = |mut a: Vec<u64>, b: Vec<u64>| {
-        a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
-        Ok(a)
-    };
-    let counts = job
-        .threads
-        .run(|| (0..nz).into_par_iter().map(slice).try_reduce(|| vec![0; COUNTS], sum))?;
+    let counts = job.threads.run(|| (0..nz).into_par_iter().map(slice).try_reduce(none, sum))?;
     let all: u64 = counts.iter().sum();
     let mut left = all / 100;
     for (bits, &count) in counts.iter().enumerate().rev() {

@@ -24,7 +24,7 @@ impl<T: Sample> Bricks<T> {
         job.limits.allow("bricks", all, size_of::<Extent<T>>())?;
         job.progress.begin("index", nz as u64);
         let slices = job.threads.run(|| {
-            of_slices(nz, &|k| {
+            each_slice(nz, &|k| {
                 job.check()?;
                 job.progress.advance(1);
                 Ok(exactly(|| of_slice(view, &grid, k)))
@@ -59,7 +59,7 @@ impl<T: Sample> Bricks<T> {
         let mut before = 0;
         each_piece(&mut source, "index", job, |view| {
             let slices = job.threads.run(|| {
-                of_slices(view.dims()[2], &|k| {
+                each_slice(view.dims()[2], &|k| {
                     job.check()?;
                     Ok(exactly(|| of_slice(&view, &grid, k)))
                 })
@@ -79,12 +79,12 @@ impl<T: Sample> Bricks<T> {
     }
 }
 
-/// What is found of each slice, by its number.
-fn of_slices<R: Send>(
+/// What comes of each slice, by its number.
+fn each_slice<R: Send>(
     slices: usize,
-    of_slice: Work<'_, usize, Result<R, Cancelled>>,
+    work: Work<'_, usize, Result<R, Cancelled>>,
 ) -> Result<Vec<R>, Cancelled> {
-    (0..slices).into_par_iter().map(of_slice).collect()
+    (0..slices).into_par_iter().map(work).collect()
 }
 
 /// The part of each brick that lies in a slice.
