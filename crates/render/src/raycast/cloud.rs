@@ -13,6 +13,7 @@ use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::exactly;
 use isokit_volume::Sample;
 use rayon::prelude::*;
+use std::mem;
 
 /// Light that particles scatter, alike to all sides or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +80,7 @@ impl Cloud {
         job.limits.probe("slices of light", Some((wide * tall) as u64), 4 * size_of::<f64>())?;
         let mut before =
             Slice { wide, tall, open: vec![1.0; wide * tall], hides: vec![0.0; wide * tall] };
+        let mut own = before.clone();
         let mut number = 0;
         while number < dims[axis] {
             job.check()?;
@@ -96,15 +98,22 @@ impl Cloud {
                 let hidden = if number == 0 { 0.0 } else { 0.5 * (hides + on_the_way) * far };
                 ((open * (-hidden).exp()) as f32, hides as f32)
             };
-            let row: Work<'_, _, _> =
-                &|row: usize| exactly(|| (row * wide..(row + 1) * wide).map(one).collect());
-            let rows = (0..tall).into_par_iter().with_min_len(1024_usize.div_ceil(wide));
-            let found: Vec<Vec<(f32, f32)>> = job.threads.run(|| rows.map(row).collect());
-            for (n, &(light, _)) in found.iter().flatten().enumerate() {
+            let row: Work<'_, _, _> = &|(row, (open, hides)): (usize, (&mut [f32], &mut [f32]))| {
+                exactly(|| {
+                    for (n, (open, hides)) in (row * wide..).zip(open.iter_mut().zip(hides)) {
+                        (*open, *hides) = one(n);
+                    }
+                });
+            };
+            job.threads.run(|| {
+                let rows = own.open.par_chunks_mut(wide).zip(own.hides.par_chunks_mut(wide));
+                rows.enumerate().with_min_len(1024_usize.div_ceil(wide)).for_each(row);
+            });
+            for (n, &light) in own.open.iter().enumerate() {
                 let [i, j, k] = place(n);
                 open[i + dims[0] * (j + dims[1] * k)] = light;
             }
-            (before.open, before.hides) = found.into_iter().flatten().unzip();
+            mem::swap(&mut before, &mut own);
             number += 1;
         }
         Ok(Some(Self { dims, open, strength, ambient }))
@@ -141,7 +150,8 @@ impl Scatter {
     }
 }
 
-/// The slice before.
+/// A slice across the way of the light.
+#[derive(Clone)]
 struct Slice {
     wide: usize,
     tall: usize,
