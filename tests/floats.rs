@@ -2,7 +2,7 @@
 //! otherwise from its first to its last thread.
 //!
 //! Such a library is compiled here and loaded into a copy of this process, which extracts from volumes of
-//! denormal numbers on all that works on samples, and tells what came out.
+//! denormal numbers on all that works on samples, makes pictures of them, and tells what came out.
 
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 

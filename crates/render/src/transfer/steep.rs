@@ -11,15 +11,6 @@ use rayon::prelude::*;
 const SHIFT: u32 = 49;
 const COUNTS: usize = 1 << (63 - SHIFT);
 
-fn none() -> Vec<u64> {
-    vec![0; COUNTS]
-}
-
-fn sum(mut a: Vec<u64>, b: Vec<u64>) -> Result<Vec<u64>, Cancelled> {
-    a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
-    Ok(a)
-}
-
 /// The slope above which only one in a hundred of the samples is that `function` shows, in values per world unit, but for
 /// an eighth: as steep as the borders of what is seen. 1 where nothing is steep.
 ///
@@ -57,6 +48,15 @@ pub fn full_slope<T: Sample>(
         left -= count;
     }
     Ok(1.0)
+}
+
+fn none() -> Vec<u64> {
+    vec![0; COUNTS]
+}
+
+fn sum(mut a: Vec<u64>, b: Vec<u64>) -> Result<Vec<u64>, Cancelled> {
+    a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
+    Ok(a)
 }
 
 /// How steep values are at a sample, in values per world unit, where `columns` take a gradient to the world.

@@ -23,12 +23,9 @@ impl<T: Sample> Bricks<T> {
         let all = per_slice.checked_mul(nz as u64);
         job.limits.allow("bricks", all, size_of::<Extent<T>>())?;
         job.progress.begin("index", nz as u64);
-        let slices = job.threads.run(|| {
-            each_slice(nz, &|k| {
-                job.check()?;
-                job.progress.advance(1);
-                Ok(exactly(|| of_slice(view, &grid, k)))
-            })
+        let slices = each_slice(nz, job, &|k| {
+            job.progress.advance(1);
+            exactly(|| of_slice(view, &grid, k))
         })?;
         let mut extents = Vec::with_capacity(grid.counts.iter().product());
         exactly(|| {
@@ -58,12 +55,8 @@ impl<T: Sample> Bricks<T> {
         let mut extents = vec![Extent::EMPTY; per_layer * grid.counts[2]];
         let mut before = 0;
         each_piece(&mut source, "index", job, |view| {
-            let slices = job.threads.run(|| {
-                each_slice(view.dims()[2], &|k| {
-                    job.check()?;
-                    Ok(exactly(|| of_slice(&view, &grid, k)))
-                })
-            })?;
+            let own = |k| exactly(|| of_slice(&view, &grid, k));
+            let slices = each_slice(view.dims()[2], job, &own)?;
             for (slice, k) in slices.iter().zip(before..) {
                 for layer in grid.brick_of(2, k.max(1) - 1)..=grid.brick_of(2, k) {
                     let own = &mut extents[per_layer * layer..per_layer * (layer + 1)];
@@ -82,9 +75,11 @@ impl<T: Sample> Bricks<T> {
 /// What comes of each slice, by its number.
 fn each_slice<R: Send>(
     slices: usize,
-    work: Work<'_, usize, Result<R, Cancelled>>,
+    job: &Job,
+    work: Work<'_, usize, R>,
 ) -> Result<Vec<R>, Cancelled> {
-    (0..slices).into_par_iter().map(work).collect()
+    let one = |k| job.check().map(|()| work(k));
+    job.threads.run(|| (0..slices).into_par_iter().map(one).collect())
 }
 
 /// The part of each brick that lies in a slice.
