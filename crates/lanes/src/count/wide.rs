@@ -20,7 +20,11 @@ macro_rules! level {
         ) {
             // SAFETY: this function runs only where the machine has the instructions.
             let groups = unsafe { Groups::<$pack>::new(bits, rows.clone()) };
-            count_groups(groups, (bits, rows), out, open);
+            // One loop for each: what only the second needs would take registers in the first.
+            match open {
+                None => count_groups(groups, (bits, rows), out, None),
+                Some(open) => count_groups(groups, (bits, rows), out, Some(open)),
+            }
         }
     };
 }
@@ -41,28 +45,30 @@ fn count_groups<P: Pack>(
     if let Some(open) = &mut open {
         open.clear();
     }
-    while let Some(group) = groups.next() {
-        let counts = counts(&group);
-        let counts = counts.as_ref();
-        let [row, first] = group.place(0);
-        let mask = if bits.has_cells(row) { u64::MAX } else { u64::MAX >> 16 };
-        // So few words fill no 16 bits.
-        let sum = |some: Range<usize>| counts[some].iter().sum::<u64>() & mask;
-        if first + P::WORDS <= bits.words() {
-            // All are of one row, as in most packs of long rows.
-            out[row - rows.start].unpack(sum(0..P::WORDS));
-        } else {
-            let mut n = 0;
-            while n < P::WORDS {
-                let [row, w] = group.place(n);
-                let Some(out) = out.get_mut(row - rows.start) else { break };
-                let end = (n + bits.words() - w).min(P::WORDS);
-                out.unpack(sum(n..end));
-                n = end;
+    while let Some(mut stretch) = groups.next() {
+        let mask = if stretch.has_cells() { u64::MAX } else { u64::MAX >> 16 };
+        while let Some(group) = stretch.next() {
+            let counts = counts(&group);
+            let counts = counts.as_ref();
+            // So few words fill no 16 bits.
+            let sum = |some: Range<usize>| counts[some].iter().sum::<u64>() & mask;
+            let [row, first] = group.place(0);
+            if first + P::WORDS <= bits.words() {
+                // All are of one row, as in most packs of long rows.
+                out[row - rows.start].unpack(sum(0..P::WORDS));
+            } else {
+                let mut n = 0;
+                while n < P::WORDS {
+                    let [row, w] = group.place(n);
+                    let Some(out) = out.get_mut(row - rows.start) else { break };
+                    let end = (n + bits.words() - w).min(P::WORDS);
+                    out.unpack(sum(n..end));
+                    n = end;
+                }
             }
-        }
-        if let Some(open) = &mut open {
-            group.push_open_words(open);
+            if let Some(open) = &mut open {
+                group.push_open_words(open);
+            }
         }
     }
 }

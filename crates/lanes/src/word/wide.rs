@@ -193,21 +193,26 @@ fn each(mut wanted: u8) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Goes through the words of rows, a pack at a time, and leaves out nearly all that is blank.
-///
-/// Rows lie one behind another, so a pack may be of several rows. Only the words of the last row of
-/// all are taken apart: it has no next row.
+/// The words of rows, a stretch at a time: all but the last row of all, and that one, which has no next row.
 pub(crate) struct Groups<'a, P> {
     bits: BitRows<'a>,
-    /// The rows that are left once these words are through.
     left: Range<usize>,
+    /// Every cell of a word, and those of the last word of a row.
+    cells: [P; 2],
+}
+
+/// Goes through the words of rows that lie one behind another, a pack at a time, and leaves out nearly all that is
+/// blank. A pack may be of several rows.
+///
+/// What the loop needs is in registers where nothing else refers to it: so a stretch knows no [`Groups`].
+pub(crate) struct Stretch<'a, P> {
     /// Words of some rows, and of those beside and above them: in each list as many.
     flat: [&'a [u64]; 4],
     at: usize,
-    /// Row of the word at `at`, and its place in the row.
-    place: [usize; 2],
+    /// A row that begins no later than at `at`, and where it does.
+    row: [usize; 2],
+    words: usize,
     has_cells: bool,
-    /// Every cell of a word, and those of the last word of a row.
     cells: [P; 2],
 }
 
@@ -234,44 +239,54 @@ impl<'a, P: Pack> Groups<'a, P> {
     /// The machine must have the instructions of the pack.
     #[inline(always)]
     pub(crate) unsafe fn new(bits: &BitRows<'a>, rows: Range<usize>) -> Self {
-        let (place, flat) = ([rows.start, 0], [&bits.low[..0]; 4]);
         // SAFETY: the caller says so.
         let cells = unsafe { [P::splat(u64::MAX), P::splat(bits.cells(bits.words() - 1))] };
-        Self { bits: *bits, left: rows, flat, at: 0, place, has_cells: false, cells }
+        Self { bits: *bits, left: rows, cells }
+    }
+
+    /// The next rows; none if none are left.
+    #[inline(always)]
+    pub(crate) fn next(&mut self) -> Option<Stretch<'a, P>> {
+        if self.left.is_empty() {
+            return None;
+        }
+        let first = self.left.start;
+        let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
+        self.left.start = end;
+        Some(Stretch {
+            flat: self.bits.flat(first..end),
+            at: 0,
+            row: [first, 0],
+            words: self.bits.words(),
+            has_cells: self.bits.has_cells(first),
+            cells: self.cells,
+        })
+    }
+}
+
+impl<P: Pack> Stretch<'_, P> {
+    /// Whether there are cells between the rows and the next.
+    pub(crate) fn has_cells(&self) -> bool {
+        self.has_cells
     }
 
     /// The next words of which one is not blank. Where a row ends, and in rows without cells, all of them may be.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Group<P>> {
         loop {
-            if self.at >= self.flat[0].len() && !self.take_rows() {
+            let at = self.at;
+            if at >= self.flat[0].len() {
                 return None;
             }
-            let (at, place) = (self.at, self.place);
             self.at += P::WORDS;
-            self.place = forward(place, P::WORDS, self.bits.words());
             let (low, high) = self.corners(at);
             let ([a, b, c, d], [a1, b1, c1, d1]) = (low, high);
             // Corners unlike the first; where a row ends, some that are none.
             let unlike = (a ^ a1) | (a ^ b) | (a ^ c) | (a ^ d) | (a ^ b1) | (a ^ c1) | (a ^ d1);
             if unlike.found() != 0 {
-                return Some(self.group((low, high), unlike, place));
+                return Some(self.group((low, high), unlike, at));
             }
         }
-    }
-
-    /// Begins with the rows that are left: all but the last of all, or that one. None if none are.
-    fn take_rows(&mut self) -> bool {
-        if self.left.is_empty() {
-            return false;
-        }
-        let first = self.left.start;
-        let end = self.left.end.min(self.bits.rows() - 1).max(first + 1);
-        self.flat = self.bits.flat(first..end);
-        (self.at, self.place) = (0, [first, 0]);
-        self.has_cells = self.bits.has_cells(first);
-        self.left.start = end;
-        true
     }
 
     /// The corners at low x, and at high x.
@@ -303,11 +318,16 @@ impl<'a, P: Pack> Groups<'a, P> {
         (low, high)
     }
 
-    /// The words whose first is at `place`. Where corners are `unlike` the first one of their cell, a cell is crossed, if
-    /// there is one.
+    /// The words that begin at `at`. Where corners are `unlike` the first one of their cell, a cell is crossed, if there is
+    /// one.
     #[inline(always)]
-    fn group(&self, (low, high): ([P; 4], [P; 4]), unlike: P, place: [usize; 2]) -> Group<P> {
-        let words = self.bits.words();
+    fn group(&mut self, (low, high): ([P; 4], [P; 4]), unlike: P, at: usize) -> Group<P> {
+        let words = self.words;
+        let [row, begin] = &mut self.row;
+        while at - *begin >= words {
+            (*row, *begin) = (*row + 1, *begin + words);
+        }
+        let place = [*row, at - *begin];
         let last_of_row = match words < 8 {
             true => LAST_OF_ROW[words][place[1]],
             false => (1_u64 << (words - 1 - place[1]).min(63)) as u8,
@@ -324,8 +344,10 @@ impl<'a, P: Pack> Groups<'a, P> {
 /// Adds the words that are not blank.
 #[inline(always)]
 fn push_words<P: Pack>(mut groups: Groups<'_, P>, out: &mut Vec<Word>) {
-    while let Some(group) = groups.next() {
-        group.push_words(out);
+    while let Some(mut stretch) = groups.next() {
+        while let Some(group) = stretch.next() {
+            group.push_words(out);
+        }
     }
 }
 
@@ -353,8 +375,10 @@ macro_rules! level {
             ) {
                 // SAFETY: as above.
                 let mut groups = unsafe { Groups::<$pack>::new(bits, rows) };
-                while let Some(group) = groups.next() {
-                    group.push_open_words(out);
+                while let Some(mut stretch) = groups.next() {
+                    while let Some(group) = stretch.next() {
+                        group.push_open_words(out);
+                    }
                 }
             }
         }
