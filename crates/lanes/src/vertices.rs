@@ -31,12 +31,16 @@ pub(crate) use normals::Normals;
 
 use crate::{
     Lane, Level, Samples,
+    prefetch::prefetch_beyond,
     wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
 
 /// The greatest part of a gradient of differences, so that no part of any weight has lost a digit: from 2⁻⁶⁰
 /// to 2¹²⁰.
 const TAME: std::ops::Range<f32> = 8.673_617_4e-19..1.329_228e36;
+
+/// Room that is asked for while a batch is written, in bytes behind the batch.
+const AHEAD: usize = 1 << 10;
 
 /// Where the vertices of edges go.
 #[derive(Debug)]
@@ -113,9 +117,13 @@ impl<T: Lane> Task for Straight<'_, '_, '_, T> {
         let mut directions = [[0.0; 3]; BATCH];
         for first in (0..count).step_by(BATCH) {
             let own = BATCH.min(count - first);
-            let normals_to = normals.as_mut().map(|all| {
+            let normals_to = normals.as_mut().map(|all| match all[first..].first_chunk_mut() {
+                Some(own) => {
+                    prefetch_beyond::<AHEAD, _>(own);
+                    own
+                }
                 // The last batch may have less room than it has numbers.
-                all[first..].first_chunk_mut().unwrap_or(&mut directions)
+                None => &mut directions,
             });
             let is_odd = kernel.batch(wide, first, &mut positions, normals_to);
             let mut left = is_odd & (u16::MAX >> (BATCH - own));

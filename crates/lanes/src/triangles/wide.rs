@@ -1,7 +1,11 @@
 //! Triangles with the eight lists in one register.
 
 use super::{CaseTable, FirstVertices, Word};
+use crate::prefetch::prefetch_beyond;
 use std::arch::x86_64::*;
+
+/// Room that is asked for while the triangles of a cell are written, in bytes behind them.
+const AHEAD: usize = 1 << 11;
 
 /// The eight lists are the lanes of one register, and cells that cut an edge are gone through in turn: the
 /// numbers of one are those of the one before, one further on where that one's edge is cut. So the second
@@ -71,6 +75,7 @@ pub(super) fn triangles_avx2(
                 Some(room) => (room, true),
                 None => (&mut rest, false),
             };
+            prefetch_beyond::<AHEAD, _>(room);
             let (parts, _) = room.as_chunks_mut::<8>();
             // SAFETY: each part is a register.
             unsafe {
@@ -148,6 +153,7 @@ pub(super) fn triangles_avx512(
             let corners_of_all = _mm512_permutexvar_epi32(_mm512_cvtepu8_epi32(edges), ids);
             let count = 3 * usize::from(table.counts[case]);
             if let Some(room) = out[filled..].first_chunk_mut::<16>() {
+                prefetch_beyond::<AHEAD, _>(room);
                 // What is written too much is overwritten by the next cell, or masked below.
                 // SAFETY: there is room for 16 numbers.
                 unsafe { _mm512_storeu_epi32(room.as_mut_ptr().cast(), corners_of_all) };

@@ -1,6 +1,10 @@
 //! What vertices depend on beside samples and edges, and in what type they come out.
 
-use crate::wide::{BATCH, Wide};
+use super::AHEAD;
+use crate::{
+    prefetch::prefetch_beyond,
+    wide::{BATCH, Wide},
+};
 
 /// A type of coordinate in the output: `f32` or `f64`.
 pub trait Coordinate: Copy + Default + Send + sealed::Room {
@@ -89,6 +93,7 @@ impl Places<'_> {
                     wide.interleave(places, &mut all);
                     return room.copy_from_slice(&all[..room.len()]);
                 };
+                prefetch_beyond::<AHEAD, _>(room);
                 wide.interleave(places, room);
             }
             Self::Double(room) => {
@@ -98,6 +103,7 @@ impl Places<'_> {
                     wide.interleave_f64([x, y, z], &mut all);
                     return room.copy_from_slice(&all[..room.len()]);
                 };
+                prefetch_beyond::<AHEAD, _>(room);
                 wide.interleave_f64([x, y, z], room);
             }
         }

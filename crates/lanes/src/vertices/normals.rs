@@ -9,11 +9,12 @@
 //! They take their time: the rows `modes` of `scripts/bench` say how much on scans.
 
 use super::{
-    Kernel,
+    AHEAD, Kernel,
     curves::{Gradient, Line, Stencil},
 };
 use crate::{
     Lane,
+    prefetch::prefetch_beyond,
     wide::{BATCH, Exact, Float, Mask, Task, Wide},
 };
 use std::ops::Range;
@@ -52,6 +53,7 @@ impl<T: Lane> Task for Normals<'_, '_, '_, T> {
         let mut directions = [[0.0; 3]; BATCH];
         for (number, normals) in normals.chunks_mut(BATCH).enumerate() {
             let first = first + number * BATCH;
+            prefetch_beyond::<AHEAD, _>(normals);
             let delta = wide.load_f64(&lines[number].delta);
             left[number] = match gradient {
                 Gradient::Central => kernel.mix(wide, first, delta, &mut directions),
