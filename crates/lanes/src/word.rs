@@ -165,6 +165,15 @@ impl<'a> BitRows<'a> {
         }
     }
 
+    /// Makes words whole of which only row and first cell are known, but for their lists of cut edges.
+    #[inline(always)]
+    pub(crate) fn look_up(&self, words: &mut [Word]) {
+        for word in words {
+            let (row, w) = (word.row, word.first / WORD);
+            *word = Word { row, cuts: [0; 8], ..Word::new(self.around(row), w, self.cells(w)) };
+        }
+    }
+
     /// Hands on the words of some rows that hold a crossed cell or a cut edge of the row.
     #[inline(always)]
     pub(crate) fn each_word(&self, rows: Range<usize>, mut take: impl FnMut(&Word)) {

@@ -67,9 +67,12 @@ fn count_groups<P: Pack>(
                 }
             }
             if let Some(open) = &mut open {
-                group.push_open_words(open);
+                group.push_open_places(open);
             }
         }
+    }
+    if let Some(open) = open {
+        bits.look_up(open);
     }
 }
 

@@ -158,17 +158,13 @@ impl<P: Pack> Group<P> {
         }
     }
 
-    /// Adds those of the words that hold an open cell, without their cut edges.
+    /// Adds those of the words that hold an open cell: only where they are, for [`BitRows::look_up`]. What a loop keeps
+    /// of all words for the few of them that are open takes registers from what it does with all.
     #[inline(always)]
-    pub(crate) fn push_open_words(&self, out: &mut Vec<Word>) {
-        let open = self.open();
-        if open != 0 {
-            let (corners, active) = (self.corners(), self.active.words());
-            for n in each(open) {
-                let [row, w] = self.place(n);
-                let (corners, active) = (P::eight(corners.as_ref()[n]), active.as_ref()[n]);
-                out.push(Word { corners, cuts: [0; 8], active, row, first: WORD * w });
-            }
+    pub(crate) fn push_open_places(&self, out: &mut Vec<Word>) {
+        for n in each(self.open()) {
+            let [row, w] = self.place(n);
+            out.push(Word { row, first: WORD * w, ..Word::default() });
         }
     }
 }
@@ -377,9 +373,10 @@ macro_rules! level {
                 let mut groups = unsafe { Groups::<$pack>::new(bits, rows) };
                 while let Some(mut stretch) = groups.next() {
                     while let Some(group) = stretch.next() {
-                        group.push_open_words(out);
+                        group.push_open_places(out);
                     }
                 }
+                bits.look_up(out);
             }
         }
     };
