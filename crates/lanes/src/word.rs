@@ -165,7 +165,8 @@ impl<'a> BitRows<'a> {
         }
     }
 
-    /// Makes words whole of which only row and first cell are known, but for their lists of cut edges.
+    /// Makes words whole of which only row and first cell are known, but for their lists of cut edges. Their rows have
+    /// cells.
     #[inline(always)]
     pub(crate) fn look_up(&self, words: &mut [Word]) {
         for word in words {

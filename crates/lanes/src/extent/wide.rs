@@ -1,10 +1,7 @@
 //! The loop with wider registers.
 
 use super::{Columns, add_row_plain, padded};
-use crate::{
-    Lane, WORD,
-    signs::{avx2::AHEAD, prefetch_ahead},
-};
+use crate::{Lane, WORD, prefetch::prefetch_ahead, signs::avx2::AHEAD};
 use std::{any::TypeId, arch::x86_64::*, slice};
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512dq")]

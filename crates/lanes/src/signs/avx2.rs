@@ -5,7 +5,8 @@
 //! Each half of registers is narrowed by itself. So lower halves hold the first 16 of 32 samples and upper halves the
 //! others, and what is narrowed is in order.
 
-use super::{Lane, Strided, WORD, prefetch_ahead};
+use super::{Lane, Strided, WORD};
+use crate::prefetch::prefetch_ahead;
 use std::arch::x86_64::*;
 
 /// Bytes from the samples at hand to those that are asked for. With the 2560 of AVX-512 to classify f32 of 512³ takes

@@ -1,6 +1,7 @@
 //! The comparisons with 512-bit registers: a comparison is its own bit mask.
 
-use super::{Strided, prefetch_ahead};
+use super::Strided;
+use crate::prefetch::prefetch_ahead;
 use std::arch::x86_64::*;
 
 /// Bytes from the samples at hand to those that are asked for: row `classify` of `scripts/bench`, on a Xeon.

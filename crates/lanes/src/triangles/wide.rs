@@ -72,10 +72,12 @@ pub(super) fn triangles_avx2(
             let count = 3 * usize::from(table.counts[case]) * is_active;
             // What is written too much is overwritten by the next cell, or stays behind the last triangle.
             let (room, is_whole) = match out[filled..].first_chunk_mut::<16>() {
-                Some(room) => (room, true),
+                Some(room) => {
+                    prefetch_beyond::<AHEAD, _>(room);
+                    (room, true)
+                }
                 None => (&mut rest, false),
             };
-            prefetch_beyond::<AHEAD, _>(room);
             let (parts, _) = room.as_chunks_mut::<8>();
             // SAFETY: each part is a register.
             unsafe {
