@@ -13,7 +13,7 @@ use isokit::{
     volume::{AnyVolume, Grid, Volume},
 };
 use isokit_tests::{
-    chance::many,
+    chance::{looked_at, many},
     check::{assert_closed, assert_sound},
     deviation::{best_by_offsets, deviation},
     fields::{self, Field, gradient},
@@ -205,10 +205,12 @@ fn chance_keeps_its_topology_and_no_triangle_is_flat() {
 
 #[test]
 fn ties_keep_their_topology_and_no_triangle_is_flat() {
-    for seed in 0..many("VOLUMES", 6) as u64 {
+    let count = many("VOLUMES", 6);
+    for seed in 0..count as u64 {
         let (most, boundary) = [(1, Boundary::Closed), (3, Boundary::Open)][seed as usize % 2];
         check_chance(&Scan::new(volumes::ties([8, 7, 6], most, seed)), boundary);
     }
+    looked_at(count, "volumes full of ties, divided and balanced in every way");
 }
 
 /// The field around a sample on the isovalue, all others below it, has no surface but that point: there new vertices met.

@@ -1,19 +1,19 @@
 //! Small whole numbers put samples exactly on the isovalue all the time.
 //!
-//! `VOLUMES=10000 cargo nextest run --release -p isokit-tests --test ties` looks at so many of them in every mode;
-//! divided and balanced surfaces of so many are looked at with `--test refine`.
+//! With `VOLUMES=10000`, as `scripts/sweep` has it, so many of them are looked at in every mode; divided and balanced surfaces
+//! of so many by `refine.rs`.
 
 use isokit::{
     geom::Frame,
     job::Job,
     marching_cubes::{
-        Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
+        Boundary, Degenerate, Diagonals, ExtractOptions, Gradient, Placement, Topology, extract,
     },
     mesh::Positions,
     volume::{Grid, Volume},
 };
 use isokit_tests::{
-    chance::many,
+    chance::{looked_at, many},
     check::{Census, assert_closed, assert_sound},
     fields, volumes,
 };
@@ -37,14 +37,16 @@ fn modes() -> Vec<ExtractOptions> {
     each(&|o| [Boundary::Closed, Boundary::Open].map(|b| o.clone().with_boundary(b)).into());
     each(&|o| PLACEMENTS.map(|p| o.clone().with_placement(p)).into());
     each(&|o| [Gradient::Central, Gradient::Matching].map(|g| o.clone().with_gradient(g)).into());
+    each(&|o| [Diagonals::Table, Diagonals::Fitted].map(|d| o.clone().with_diagonals(d)).into());
     modes
 }
 
 #[test]
 fn volumes_full_of_ties_are_closed_and_have_no_flat_triangle_in_any_mode() {
     let modes = modes();
-    assert_eq!(modes.len(), 24);
-    for seed in 0..many("VOLUMES", 100) as u64 {
+    assert_eq!(modes.len(), 48);
+    let count = many("VOLUMES", 100);
+    for seed in 0..count as u64 {
         let volume = volume(seed);
         let ties = volume.samples().iter().filter(|&&sample| sample == 0).count();
         assert!(ties > 15, "chance without ties shows nothing");
@@ -60,26 +62,33 @@ fn volumes_full_of_ties_are_closed_and_have_no_flat_triangle_in_any_mode() {
             }
         }
     }
+    looked_at(count, &format!("volumes full of ties, in {} modes each", modes.len()));
 }
 
 #[test]
 fn exact_placement_has_the_same_triangles_and_some_of_them_flat() {
-    let mut flat = 0;
-    for (seed, placement) in (0..50).flat_map(|seed| PLACEMENTS.map(|placement| (seed, placement)))
-    {
+    // What is fitted is fitted to positions.
+    let mut modes = modes();
+    modes.retain(|options| options.diagonals == Diagonals::Table);
+    let (mut flat, count) = (0, many("VOLUMES", 50));
+    for seed in 0..count as u64 {
         let volume = volume(seed);
-        let of = |degenerate| {
-            let options = ExtractOptions::DEFAULT.with_placement(placement);
-            let options = options.with_degenerate(degenerate);
-            extract(&volume.view(), 0.0, &options, &Job::default()).unwrap()
-        };
-        let (never, exact) = (of(Degenerate::Never), of(Degenerate::Exact));
-        assert_eq!(never.triangles, exact.triangles);
-        let census = Census::of(&exact);
-        assert_eq!((census.faults_of_topology(), census.boundary_sides), (0, 0));
-        flat += census.flat_triangles;
+        for options in &modes {
+            let of = |degenerate| {
+                let options = options.clone().with_degenerate(degenerate);
+                extract(&volume.view(), 0.0, &options, &Job::default()).unwrap()
+            };
+            let (never, exact) = (of(Degenerate::Never), of(Degenerate::Exact));
+            assert_eq!(never.triangles, exact.triangles, "seed {seed}, {options:?}");
+            let census = Census::of(&exact);
+            assert_eq!(census.faults_of_topology(), 0, "seed {seed}, {options:?}");
+            let is_closed = options.boundary == Boundary::Closed;
+            assert!(!is_closed || census.boundary_sides == 0, "seed {seed}, {options:?}");
+            flat += census.flat_triangles;
+        }
     }
     assert!(flat > 1000, "{flat}");
+    looked_at(count, &format!("volumes full of ties, exactly placed in {} modes", modes.len()));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Trilinear topology against the certified oracle: what the surface connects, cell by cell and as a whole.
 //!
-//! `CELLS=1000000 cargo nextest run --release -p isokit-tests --test trilinear` looks at so many cells, at a
-//! thousandth as many of each class, and at a hundredth as many volumes.
+//! With `CELLS=1000000`, as `scripts/sweep` has it, so many cells are looked at, a thousandth as many of each class, and a
+//! hundredth as many volumes.
 
 use isokit::{
     geom::Frame,
@@ -14,7 +14,7 @@ use isokit::{
 };
 use isokit_tests::{
     certified::{self, Class},
-    chance::{Chance, many},
+    chance::{Chance, looked_at, many},
     check::{Census, assert_closed, assert_sound, sides_of},
 };
 use std::collections::BTreeMap;
@@ -136,6 +136,7 @@ fn cells_of_every_class_there_is_have_the_patches_that_are_certified_and_no_othe
         }
     }
     assert_eq!(met.len(), 768);
+    looked_at(met.values().sum(), "cells, as many of each of the 768 classes");
 }
 
 #[test]
@@ -148,6 +149,7 @@ fn every_code_of_a_cell_has_the_patches_that_are_certified() {
             }
         }
     }
+    looked_at(4 * 256 * (cells(10_000) / 1000), "cells, as many of each code");
 }
 
 #[test]
@@ -157,6 +159,7 @@ fn cells_by_chance_with_and_without_ties_have_the_patches_that_are_certified() {
         let reach = [2, 3, 5, 1000, 1 << 24][n % 5];
         check_cell(certified::random(reach, &mut chance));
     }
+    looked_at(cells(10_000), "cells by chance");
 }
 
 /// Cells with a tunnel are rare by chance; two far corners against the rest have one often.
@@ -177,6 +180,7 @@ fn cells_with_tunnels_have_the_patches_that_are_certified() {
         tunnels += usize::from(check_cell(corners).tunnel.is_some());
     }
     assert!(tunnels > cells(10_000) / 100, "{tunnels} tunnels");
+    looked_at(tunnels, "cells with a tunnel, among some without");
 }
 
 /// Samples are so many units.
@@ -198,20 +202,21 @@ fn check_volume(dims: [usize; 3], samples: &[i64], unit: f32) {
 }
 
 /// Dozens of volumes of this kind, from 5³ to 9³.
-fn check_volumes(seed: u64, unit: f32, sample: impl Fn(usize, &mut Chance) -> i64) {
-    let mut chance = Chance::new(seed);
-    for n in 0..(cells(10_000) / 100).div_ceil(3) {
+fn check_volumes((kind, seed): (&str, u64), unit: f32, sample: impl Fn(usize, &mut Chance) -> i64) {
+    let (mut chance, count) = (Chance::new(seed), (cells(10_000) / 100).div_ceil(3));
+    for n in 0..count {
         let dims = [(); 3].map(|()| 5 + chance.below(5) as usize);
-        let count = dims.iter().product();
-        let samples: Vec<i64> = (0..count).map(|_| sample(n, &mut chance)).collect();
+        let points = dims.iter().product();
+        let samples: Vec<i64> = (0..points).map(|_| sample(n, &mut chance)).collect();
         check_volume(dims, &samples, unit);
     }
+    looked_at(count, &format!("volumes of {kind}, closed and open"));
 }
 
 /// Numbers of 24 binary digits, each with an exponent of its own, so that nothing but f32 holds them.
 #[test]
 fn volumes_of_f32_have_the_pieces_that_are_certified() {
-    check_volumes(4, 2_f32.powi(-27), |n, chance| {
+    check_volumes(("numbers of 24 bits with exponents", 4), 2_f32.powi(-27), |n, chance| {
         certified::random(1 << 24, chance)[0] << chance.below([1, 4, 10][n % 3])
     });
 }
@@ -219,12 +224,16 @@ fn volumes_of_f32_have_the_pieces_that_are_certified() {
 /// No sample is a tie, but saddles are.
 #[test]
 fn volumes_of_odd_numbers_have_the_pieces_that_are_certified() {
-    check_volumes(8, 1.0, |n, chance| 2 * certified::random([1, 2, 5, 1000][n % 4], chance)[0] + 1);
+    check_volumes(("odd numbers", 8), 1.0, |n, chance| {
+        2 * certified::random([1, 2, 5, 1000][n % 4], chance)[0] + 1
+    });
 }
 
 #[test]
 fn volumes_of_small_numbers_with_ties_have_the_pieces_that_are_certified() {
-    check_volumes(9, 1.0, |n, chance| certified::random([1, 2, 3, 4][n % 4], chance)[0]);
+    check_volumes(("small numbers with ties", 9), 1.0, |n, chance| {
+        certified::random([1, 2, 3, 4][n % 4], chance)[0]
+    });
 }
 
 /// scikit-image 8109 and its like: a saddle on the isovalue, in a face or in the interior.

@@ -42,6 +42,12 @@ pub fn many(variable: &str, default: usize) -> usize {
     env::var(variable).map_or(default, parsed)
 }
 
+/// Says that so many were looked at and all were right; `scripts/sweep` prints these lines.
+#[expect(clippy::print_stdout, reason = "whoever looks at so many wants to see how many")]
+pub fn looked_at(count: usize, what: &str) {
+    println!("looked at: {count} {what}");
+}
+
 #[cfg(test)]
 mod tests {
     use super::Chance;

@@ -63,13 +63,13 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_name = "N", value_parser = values::levels, help_heading = "Accuracy")]
     pub(crate) refine: Option<u32>,
     /// Divide triangles, only where the field curves, until none leaves its surface by more than E, in world
-    /// units. Those of which that cannot be said, as in noise, are counted
+    /// units, as far as second derivatives tell. Those of which that cannot be said, as in noise, are counted
     #[arg(long, value_name = "E", value_parser = values::length, help_heading = "Accuracy")]
     #[arg(conflicts_with = "refine")]
     pub(crate) max_error: Option<f64>,
     /// Move vertices along their normals so that triangles lie as much outside of the field's surface as
-    /// inside: without a triangle more, the error between vertices falls to a half or third, and that of
-    /// the enclosed volume to nearly nothing
+    /// inside: without a triangle more, the error between vertices falls to a half or third where the surface bulges one
+    /// way, less where it is a saddle, and that of the enclosed volume to nearly nothing
     #[arg(long, help_heading = "Accuracy")]
     pub(crate) balance: bool,
     /// Of a shape: put vertices where faces meet whose normals are more than so many degrees apart, so that edges stay

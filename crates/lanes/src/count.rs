@@ -28,8 +28,8 @@ pub fn count_rows(bits: &BitRows<'_>, rows: Range<usize>, out: &mut [RowCounts])
     count_rows_at(Level::current(), bits, rows, out, None);
 }
 
-/// The same, and the words that hold an [open](Word::open) cell, row by row, into `open`. Their lists of cut edges
-/// are left empty.
+/// The same, and the words that hold an [open](Word::open) cell, row by row, into `open`: as
+/// [`open_words_of_rows`](crate::open_words_of_rows) has them.
 ///
 /// # Panics
 ///
@@ -287,7 +287,7 @@ mod tests {
                 let mut expected = vec![RowCounts::default(); own.len()];
                 words.iter().for_each(|w| define(w, &table, &mut expected[w.row - own.start]));
                 words.retain(|word| word.open() != 0);
-                words.iter_mut().for_each(|word| word.cuts = [0; 8]);
+                words.iter_mut().for_each(|word| (word.cuts, word.active) = ([0; 8], word.open()));
                 let mut open = vec![];
                 for &level in Level::available() {
                     let mut found = vec![RowCounts { x: 7, ..RowCounts::default() }; own.len()];

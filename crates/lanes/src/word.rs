@@ -165,13 +165,13 @@ impl<'a> BitRows<'a> {
         }
     }
 
-    /// Makes words whole of which only row and first cell are known, but for their lists of cut edges. Their rows have
-    /// cells.
+    /// Puts in the corners and the open cells of words of which only row and first cell are known. Their rows have cells.
     #[inline(always)]
     pub(crate) fn look_up(&self, words: &mut [Word]) {
         for word in words {
-            let (row, w) = (word.row, word.first / WORD);
-            *word = Word { row, cuts: [0; 8], ..Word::new(self.around(row), w, self.cells(w)) };
+            let w = word.first / WORD;
+            let whole = Word::new(self.around(word.row), w, self.cells(w));
+            (word.corners, word.active) = (whole.corners, whole.open());
         }
     }
 
@@ -236,8 +236,8 @@ pub(crate) fn words_of_rows_at(
     }
 }
 
-/// The words of some rows that hold an [open](Word::open) cell, row by row, into `out`. Their lists of cut edges
-/// are left empty.
+/// The words of some rows that hold an [open](Word::open) cell, row by row, into `out`. Their active cells are the open
+/// ones, and their lists of cut edges are left empty.
 ///
 /// # Panics
 ///
@@ -268,8 +268,9 @@ pub(crate) fn open_words_of_rows_at(
             unsafe { wide::with_avx2::open_words_of_rows(bits, rows, out) }
         }
         _ => bits.each_word(rows, |word| {
-            if word.open() != 0 {
-                out.push(Word { cuts: [0; 8], ..*word });
+            let open = word.open();
+            if open != 0 {
+                out.push(Word { cuts: [0; 8], active: open, ..*word });
             }
         }),
     }

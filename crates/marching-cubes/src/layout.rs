@@ -289,6 +289,7 @@ impl Counting<'_> {
             (Some(_), ..) => {
                 words(self.planes, self.live, rows, z, scratch);
                 count_words(scratch, slice);
+                scratch.iter_mut().for_each(|word| word.active = word.open());
             }
         }
         if let Some(values) = values {

@@ -8,7 +8,8 @@
 //!   four and multiplies the triangles by as much, or an error is named and only what curves is divided.
 //! - *Balance* moves each vertex along its normal, outwards where the surface bulges, so that triangles
 //!   cut through the surface in place of staying within. No triangle is added; the volume inside is right
-//!   to a higher order, and the error of the surface is the least that these triangles can have.
+//!   to a higher order, and where it bulges one way the error of the surface is close to the least that moves along normals
+//!   leave these triangles.
 //!
 //! - *Creases* of fields that have some, such as those of solids with edges, get vertices: no triangle cuts them off.
 //!

@@ -13,6 +13,9 @@ pub enum Subdivision {
     Levels(u32),
     /// On edges along which the field curves, until no triangle leaves its surface by more than this, in world
     /// units; above 0.
+    ///
+    /// Not promised: more than the first order of that. The distance is that of the field's Hessian at corners and middles of
+    /// sides ([`Refined::bound`](crate::Refined::bound)); what the field does between them it does not see.
     MaxError(f64),
 }
 
@@ -33,6 +36,9 @@ pub struct RefineOptions {
     /// Whether vertices, old and new, are moved along their normals in the end, so that triangles lie as much
     /// outside of the field's surface as inside. Then no vertex is on the surface itself, and one whose triangles would
     /// turn over, or that would meet another, stays where it was. Default: no.
+    ///
+    /// Not promised: the same gain everywhere. Where the surface curves both ways, as a saddle, chords lie on both sides of it
+    /// already; along creases there is no sagitta to go by.
     pub balance: bool,
 }
 

@@ -48,6 +48,10 @@ fn count_groups<P: Pack>(
     while let Some(mut stretch) = groups.next() {
         let mask = if stretch.has_cells() { u64::MAX } else { u64::MAX >> 16 };
         while let Some(group) = stretch.next() {
+            // Before the counts, which it is not kept for then: that takes 0.99 of the time after them.
+            if let Some(open) = &mut open {
+                group.push_open_places(open);
+            }
             let counts = counts(&group);
             let counts = counts.as_ref();
             // So few words fill no 16 bits.
@@ -65,9 +69,6 @@ fn count_groups<P: Pack>(
                     out.unpack(sum(n..end));
                     n = end;
                 }
-            }
-            if let Some(open) = &mut open {
-                group.push_open_places(open);
             }
         }
     }

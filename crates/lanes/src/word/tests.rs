@@ -165,7 +165,7 @@ fn open_words_are_those_with_a_cell_of_a_code_that_leaves_something_open() {
                 assert_eq!(word.open(), open.fold(0, |mask, n| mask | 1 << n));
             }
             all.retain(|word| word.open() != 0);
-            all.iter_mut().for_each(|word| word.cuts = [0; 8]);
+            all.iter_mut().for_each(|word| (word.cuts, word.active) = ([0; 8], word.open()));
             for &level in Level::available() {
                 super::open_words_of_rows_at(level, &bits, 0..5, &mut found);
                 assert_eq!(found, all, "{level}, {points} points");

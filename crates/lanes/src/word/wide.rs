@@ -124,9 +124,9 @@ impl<P: Pack> Group<P> {
         P::columns([x[0], x[1], x[2], x[3], a ^ b, c ^ d, a ^ c, b ^ d])
     }
 
-    /// The words that hold an open cell.
+    /// The open cells.
     #[inline(always)]
-    fn open(&self) -> u8 {
+    fn open(&self) -> P {
         let (a, b) = (self.low, self.high);
         let k = [a[0], b[0], a[1], b[1], a[2], b[2], a[3], b[3]];
         let uneven = (k[0] ^ k[7]) | (k[1] ^ k[6]) | (k[2] ^ k[5]) | (k[3] ^ k[4]);
@@ -134,7 +134,7 @@ impl<P: Pack> Group<P> {
         for [a, b, c, d] in FACES {
             open = open | (k[a] ^ k[b]) & (k[b] ^ k[c]) & (k[c] ^ k[d]);
         }
-        (open & self.active).found()
+        open & self.active
     }
 
     /// Adds those of the words that are not blank.
@@ -162,7 +162,12 @@ impl<P: Pack> Group<P> {
     /// of all words for the few of them that are open takes registers from what it does with all.
     #[inline(always)]
     pub(crate) fn push_open_places(&self, out: &mut Vec<Word>) {
-        for n in each(self.open()) {
+        let open = self.open();
+        // Most have none, which is sooner seen than which have one.
+        if open.found() == 0 {
+            return;
+        }
+        for n in each(open.found()) {
             let [row, w] = self.place(n);
             out.push(Word { row, first: WORD * w, ..Word::default() });
         }

@@ -5,7 +5,7 @@ use super::{
     number::{Unit, ask},
     table::{AMBIGUOUS, Resolved, resolved},
 };
-use isokit_geom::cube::Face;
+use isokit_geom::cube::{Corner, Face};
 use isokit_lanes::{Samples, Word};
 use isokit_volume::{Sample, View};
 use std::cmp::Ordering;
@@ -40,11 +40,11 @@ impl<'a, T: Sample> Values<'a, T> {
         Self { expected: None, ..self }
     }
 
-    /// Says that the open cells of some words of slice `z` will soon be asked for.
+    /// Says that the cells in some words of slice `z` will soon be asked for.
     pub(super) fn expect(&self, z: usize, words: &[Word]) {
         if let Some(samples) = &self.expected {
             for (y, z) in [(0, z), (1, z), (0, z + 1), (1, z + 1)] {
-                samples.prefetch([0, y, z].map(|n| self.sample(n)), words, Word::open);
+                samples.prefetch([0, y, z].map(|n| self.sample(n)), words, |word| word.active);
             }
         }
     }
@@ -129,22 +129,25 @@ impl Cell {
 
     /// The same with slices across a given axis.
     pub(super) fn verdict_along(&self, axis: usize) -> Verdict {
+        let short = self.unit.short(self.values);
         let mut verdict = Verdict { joined: 0, tunnel: None, is_singular: false };
         let faces = AMBIGUOUS[usize::from(self.code)];
         let mut rest = faces;
         while rest != 0 {
             let face = rest.trailing_zeros() as u8;
             rest &= rest - 1;
-            let saddle = self.saddle(Face::new(face));
+            let saddle = self.saddle(Face::new(face), short);
             verdict.joined |= u8::from(saddle != Ordering::Less) << face;
             verdict.is_singular |= saddle == Ordering::Equal;
         }
-        let row = self.resolved(verdict.joined);
         // Two corners of a face, all others on the other side, are joined across it or not at all (`decide.rs`).
         let are_two_of_a_face = faces != 0 && matches!(self.code.count_ones(), 2 | 6);
         // Where some corner has no finite value nothing is joined in the interior.
-        if row.discs.len() > 1 && !are_two_of_a_face && self.known == u8::MAX {
-            self.look_inside(axis, row, &mut verdict);
+        if !are_two_of_a_face && self.known == u8::MAX {
+            let row = self.resolved(verdict.joined);
+            if row.discs.len() > 1 {
+                self.look_inside(axis, row, short, &mut verdict);
+            }
         }
         verdict
     }
@@ -153,8 +156,21 @@ impl Cell {
     ///
     /// A corner that is outside without a finite value is infinitely low, and keeps the inside apart;
     /// where there is none, one inside that is infinite joins it.
-    fn saddle(&self, face: Face) -> Ordering {
-        let mut corners = face.corners().map(|k| k.index());
+    #[inline(always)]
+    fn saddle(&self, face: Face, short: Option<[i64; 8]>) -> Ordering {
+        let corners = face.corners().map(Corner::index);
+        if self.known != u8::MAX {
+            return self.saddle_of_some(corners);
+        }
+        let of_face = |short: [i64; 8]| corners.map(|k| short[k]);
+        let saddle = ask(&Saddle, corners.map(|k| self.values[k]), short.map(of_face));
+        // Seen from a corner that is outside, the two diagonals have changed places.
+        if self.is_inside(corners[0]) { saddle } else { saddle.reverse() }
+    }
+
+    /// The same where not all corners of the cell have a finite value.
+    #[cold]
+    fn saddle_of_some(&self, mut corners: [usize; 4]) -> Ordering {
         if !self.is_inside(corners[0]) {
             corners.rotate_left(1);
         }
@@ -166,12 +182,16 @@ impl Cell {
         if !(is_known(a) && is_known(c)) {
             return Ordering::Greater;
         }
-        let values = corners.map(|k| self.values[k]);
-        ask(&Saddle, values, self.unit.short(values))
+        ask(&Saddle, corners.map(|k| self.values[k]), None)
     }
 
-    fn look_inside(&self, axis: usize, row: &Resolved, verdict: &mut Verdict) {
-        let short = self.unit.short(self.values);
+    fn look_inside(
+        &self,
+        axis: usize,
+        row: &Resolved,
+        short: Option<[i64; 8]>,
+        verdict: &mut Verdict,
+    ) {
         let Some(body) = ask(&Interior { axis }, self.values, short) else { return };
         verdict.is_singular |= body.value == Ordering::Equal;
         let low = around(axis);

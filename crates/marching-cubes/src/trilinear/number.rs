@@ -42,6 +42,9 @@ impl Unit {
     /// fourth power.
     const GREATEST: f64 = (1 << 13) as f64;
 
+    /// So great that the last digit of a sum with it stands for 1, and with all others 0.
+    const UNITS: f64 = 1.5 * (1_u64 << 52) as f64;
+
     /// Integers whose scaling and isovalue are integers or halves make integers or halves.
     pub(super) fn of<T: Sample>(view: &View<'_, T>, iso: f64) -> Self {
         let scaling = view.scaling();
@@ -61,9 +64,12 @@ impl Unit {
     /// The values in this unit, where they are short.
     #[inline(always)]
     pub(super) fn short<const N: usize>(self, values: [f64; N]) -> Option<[i64; N]> {
-        let values = values.map(|value| value * self.0.unwrap_or(f64::NAN));
+        let unit = self.0?;
+        let values = values.map(|value| value * unit);
         let is_short = values.iter().all(|value| value.abs() < Self::GREATEST);
-        is_short.then(|| values.map(|value| value as i64))
+        // The last digits of the sum are those of the whole number: sooner done than asked what a cast asks.
+        let whole = |value: f64| i64::from((value + Self::UNITS).to_bits() as i32);
+        is_short.then(|| values.map(whole))
     }
 }
 

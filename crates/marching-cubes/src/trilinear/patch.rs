@@ -82,20 +82,19 @@ impl Patch {
     /// the one with the least sum of distances is taken.
     pub(super) fn bridge(&self, distances: impl Fn(u8) -> [f64; WAIST], out: &mut Vec<[u8; 3]>) {
         let Some(rings) = self.tube() else { return };
-        let distances = rings.map(|ring| {
-            let mut twice_around = [[0.0; 2 * WAIST]; 12];
-            for (&edge, both) in ring.iter().zip(&mut twice_around) {
+        let mut twice_around = [[[0.0; 2 * WAIST]; 12]; 2];
+        for (ring, twice_around) in rings.iter().zip(&mut twice_around) {
+            for (&edge, both) in ring.iter().zip(twice_around) {
                 let once = distances(edge);
                 both[..WAIST].copy_from_slice(&once);
                 both[WAIST..].copy_from_slice(&once);
             }
-            twice_around
-        });
+        }
         let best = |end: usize, is_reversed: bool| {
             let mut lengths = [0.0; WAIST];
             for step in strip(rings[end], Turn { first: 0, is_reversed }) {
                 // With another first vertex the same step is at a vertex so much later.
-                let later = &distances[end][step.edge][step.waist..step.waist + WAIST];
+                let later = &twice_around[end][step.edge][step.waist..step.waist + WAIST];
                 lengths.iter_mut().zip(later).for_each(|(sum, distance)| *sum += distance);
             }
             let turns = (0..WAIST).map(|first| (lengths[first], Turn { first, is_reversed }));
@@ -146,16 +145,18 @@ enum Next {
 /// run around while the other stands, so no two vertices are joined twice.
 fn strip(ring: &[u8], turn: Turn) -> impl Iterator<Item = Step> {
     let sides = ring.len();
+    // Neither goes once more around: what is asked for the remainder is less than twice the divisor.
+    let around = |n: usize, all: usize| if n < all { n } else { n - all };
     let waist = move |n: usize| match turn.is_reversed {
-        true => (turn.first + WAIST - n % WAIST) % WAIST,
-        false => (turn.first + n) % WAIST,
+        true => around(turn.first + WAIST - n, WAIST),
+        false => around(turn.first + n, WAIST),
     };
     let (mut i, mut j) = (0, 0);
     (0..sides + WAIST).map(move |_| {
-        let (edge, at) = (i % sides, waist(j));
+        let (edge, at) = (around(i, sides), waist(j));
         let next = if (2 * i + 1) * WAIST <= (2 * j + 1) * sides {
             i += 1;
-            Next::Edge(i % sides)
+            Next::Edge(around(i, sides))
         } else {
             j += 1;
             Next::Waist(waist(j))

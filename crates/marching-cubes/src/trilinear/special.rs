@@ -40,8 +40,8 @@ impl SpecialCells {
     /// What one of them takes in memory.
     pub(crate) const BYTES: usize = size_of::<Special>();
 
-    /// Adds the special cells of some words of slice `z`, which come row by row, and says of each to which
-    /// row it belongs and which case it has.
+    /// Adds the special ones of the cells in some words of slice `z`, which come row by row and name those that signs leave
+    /// open, and says of each to which row it belongs and which case it has.
     pub(crate) fn look_at<T: Sample>(
         &mut self,
         values: &Values<'_, T>,
@@ -53,7 +53,7 @@ impl SpecialCells {
                 let [first, end] = [n + AHEAD, n + 2 * AHEAD].map(|n| n.min(words.len()));
                 values.expect(z, &words[first..end]);
             }
-            let mut rest = word.open();
+            let mut rest = word.active;
             while rest != 0 {
                 let n = rest.trailing_zeros();
                 rest &= rest - 1;

@@ -92,12 +92,17 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
             Some(inner) => first + u32::from(inner),
             None => ids[usize::from(name)],
         };
+        let own = split_off(&mut self.triangles, patch.triangles());
         let discs = patch.discs().flat_map(|disc| disc.triangles);
-        for triangle in discs.chain(&self.filling.tube) {
+        let is_kept = self.winding == Winding::Kept;
+        let mut left = own.iter_mut();
+        discs.chain(&self.filling.tube).for_each(|triangle| {
             let [a, b, c] = triangle.map(number);
-            let turned = if self.winding == Winding::Kept { [a, b, c] } else { [a, c, b] };
-            split_off(&mut self.triangles, 1)[0] = turned;
-        }
+            let turned = if is_kept { [a, b, c] } else { [a, c, b] };
+            if let Some(own) = left.next() {
+                *own = turned;
+            }
+        });
         self.next += count as u32;
     }
 

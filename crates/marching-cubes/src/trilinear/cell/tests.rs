@@ -160,7 +160,7 @@ fn a_look_inside_adds_nothing_where_two_corners_of_a_face_are_alone() {
         assert_eq!(verdict.tunnel, None, "{cell:?}");
         for axis in 0..3 {
             let mut looked = verdict;
-            cell.look_inside(axis, cell.resolved(verdict.joined), &mut looked);
+            cell.look_inside(axis, cell.resolved(verdict.joined), None, &mut looked);
             assert_eq!(looked, verdict, "{cell:?}, axis {axis}");
         }
         apart += usize::from(cell.resolved(verdict.joined).discs.len() > 1);
