@@ -37,6 +37,7 @@ MODES = (
     "linear fitted",
     "cubic",
     "cubic fitted",
+    "quintic trilinear",
     "cubic exact",
     "quintic exact",
     "quintic exact matching",
@@ -49,7 +50,7 @@ MODES = (
     f"cubic exact matching {DOUBLE}",
     f"quintic exact matching {DOUBLE}",
 )
-"""The modes of isokit.
+"""The modes of isokit; *quintic trilinear* is its default.
 
 With *exact* vertices may lie on samples; without, they keep a thousandth of an edge from them, which
 matters beside an error of higher order. With *matching* normals are of the placement's order; without,

@@ -103,6 +103,7 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
                 *own = turned;
             }
         });
+        debug_assert_eq!(left.len(), 0, "as many triangles as were counted");
         self.next += count as u32;
     }
 
