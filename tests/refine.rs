@@ -1,7 +1,6 @@
 //! What dividing and balancing triangles does to their error, and what it leaves as it was.
 //!
-//! `VOLUMES=10000 cargo nextest run --release -p isokit-tests --test refine ties_keep` does it to so many volumes full
-//! of ties.
+//! With `VOLUMES=1000`, as `scripts/sweep` has it, it is done to so many volumes full of ties.
 
 use isokit::{
     geom::{Affine, Frame},
@@ -105,7 +104,7 @@ fn balance_is_nearly_the_best_that_offsets_can_do_and_keeps_the_volume() {
 }
 
 #[test]
-fn the_volume_of_a_balanced_surface_is_of_order_four() {
+fn the_volume_of_a_balanced_surface_is_of_an_order_above_three() {
     for (name, field, volume) in shapes() {
         let error = |points| {
             let scan = Scan::new(volumes::cube(&field, points));

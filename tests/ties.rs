@@ -1,7 +1,7 @@
 //! Small whole numbers put samples exactly on the isovalue all the time.
 //!
-//! With `VOLUMES=10000`, as `scripts/sweep` has it, so many of them are looked at in every mode; divided and balanced surfaces
-//! of so many by `refine.rs`.
+//! With `VOLUMES=10000`, as `scripts/sweep` has it, so many of them are looked at in every mode. Divided and balanced surfaces
+//! of such volumes are looked at in `refine.rs`.
 
 use isokit::{
     geom::Frame,
@@ -87,7 +87,7 @@ fn exact_placement_has_the_same_triangles_and_some_of_them_flat() {
             flat += census.flat_triangles;
         }
     }
-    assert!(flat > 1000, "{flat}");
+    assert!(flat > 3 * count * modes.len(), "{flat}");
     looked_at(count, &format!("volumes full of ties, exactly placed in {} modes", modes.len()));
 }
 

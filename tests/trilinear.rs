@@ -10,7 +10,7 @@ use isokit::{
         Boundary, Degenerate, ExtractOptions, Extracted, Nan, Topology, extract, extract_into,
     },
     mesh::{Precision, TriMesh},
-    volume::{Grid, Sample, Volume},
+    volume::{Grid, Sample, Scaling, Volume},
 };
 use isokit_tests::{
     certified::{self, Class},
@@ -97,6 +97,21 @@ fn patches(mesh: &TriMesh) -> Vec<(Vec<usize>, i64)> {
     patches
 }
 
+/// Asserts that samples which 15 bits hold have the same triangles as integers, of which other arithmetic decides, and as
+/// halves of integers.
+#[track_caller]
+fn assert_same_of_integers(dims: [usize; 3], samples: &[i64], mesh: &TriMesh, boundary: Boundary) {
+    let doubled = samples.iter().map(|&sample| i16::try_from(2 * sample));
+    let Ok(doubled) = doubled.collect::<Result<Vec<_>, _>>() else { return };
+    let doubled = volume(dims, doubled);
+    let whole = volume(dims, doubled.samples().iter().map(|sample| sample / 2));
+    let found = surface(&whole, 0.0, &trilinear(boundary));
+    assert_eq!(found.triangles, mesh.triangles, "{samples:?}");
+    let halves = doubled.view().with_scaling(Scaling::new(0.5, 0.0).unwrap());
+    let found = extract(&halves, 0.0, &trilinear(boundary), &Job::default()).unwrap();
+    assert_eq!(found.triangles, mesh.triangles, "{samples:?}");
+}
+
 #[track_caller]
 fn check_cell(corners: [i64; 8]) -> Class {
     let Some(certain) = certified::cell(corners) else { panic!("{corners:?} is undecided") };
@@ -107,6 +122,7 @@ fn check_cell(corners: [i64; 8]) -> Class {
     let mesh = surface(&made, 0.0, &trilinear(Boundary::Open));
     assert_eq!(patches(&mesh), expected, "{corners:?}");
     assert_sound(&mesh);
+    assert_same_of_integers([2; 3], &corners, &mesh, Boundary::Open);
     assert_closed(&surface(&made, 0.0, &trilinear(Boundary::Closed)));
     class
 }
@@ -192,6 +208,9 @@ fn check_volume(dims: [usize; 3], samples: &[i64], unit: f32) {
     let eulers = |boundary| {
         let mesh = surface(&made, 0.0, &trilinear(boundary));
         assert_sound(&mesh);
+        if unit == 1.0 {
+            assert_same_of_integers(dims, samples, &mesh, boundary);
+        }
         let mut eulers: Vec<i64> = pieces(&mesh).1.into_values().collect();
         eulers.sort_unstable();
         eulers

@@ -69,7 +69,7 @@ pub(crate) struct ExtractArgs {
     pub(crate) max_error: Option<f64>,
     /// Move vertices along their normals so that triangles lie as much outside of the field's surface as
     /// inside: without a triangle more, the error between vertices falls to a half or third where the surface bulges one
-    /// way, less where it is a saddle, and that of the enclosed volume to nearly nothing
+    /// way, not as far where it is a saddle, and that of the enclosed volume to nearly nothing
     #[arg(long, help_heading = "Accuracy")]
     pub(crate) balance: bool,
     /// Of a shape: put vertices where faces meet whose normals are more than so many degrees apart, so that edges stay

@@ -23,7 +23,7 @@ pub struct Word {
     /// The edges that are cut, in eight lists: along x of the rows at (y, z) = 00, 10, 01, 11; along y
     /// from the low-x corner at z = 0, 1; along z from the low-x corner at y = 0, 1.
     pub cuts: [u64; 8],
-    /// The cells that the surface crosses.
+    /// The cells that the surface crosses; of words that are listed for their open cells, those.
     pub active: u64,
     /// The row.
     pub row: usize,

@@ -289,7 +289,9 @@ impl Counting<'_> {
             (Some(_), ..) => {
                 words(self.planes, self.live, rows, z, scratch);
                 count_words(scratch, slice);
-                scratch.iter_mut().for_each(|word| word.active = word.open());
+                if values.is_some() {
+                    scratch.iter_mut().for_each(|word| word.active = word.open());
+                }
             }
         }
         if let Some(values) = values {

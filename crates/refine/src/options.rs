@@ -14,8 +14,8 @@ pub enum Subdivision {
     /// On edges along which the field curves, until no triangle leaves its surface by more than this, in world
     /// units; above 0.
     ///
-    /// Not promised: more than the first order of that. The distance is that of the field's Hessian at corners and middles of
-    /// sides ([`Refined::bound`](crate::Refined::bound)); what the field does between them it does not see.
+    /// Not promised: more than that to first order, as second derivatives at corners and middles of sides tell it
+    /// ([`Refined::bound`](crate::Refined::bound)); what the field does between them they do not see.
     MaxError(f64),
 }
 

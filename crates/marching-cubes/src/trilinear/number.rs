@@ -38,11 +38,15 @@ impl Unit {
     #[cfg(test)]
     pub(super) const UNKNOWN: Self = Self(None);
 
+    /// All are whole.
+    #[cfg(test)]
+    pub(super) const ONE: Self = Self(Some(1.0));
+
     /// The greatest count with which `i64` holds a fourth degree: no sum on the way exceeds 128 times its
     /// fourth power.
     const GREATEST: f64 = (1 << 13) as f64;
 
-    /// So great that the last digit of a sum with it stands for 1, and with all others 0.
+    /// So great that the last digit of a sum with it stands for 1; its own lower 32 digits are 0.
     const UNITS: f64 = 1.5 * (1_u64 << 52) as f64;
 
     /// Integers whose scaling and isovalue are integers or halves make integers or halves.

@@ -107,7 +107,7 @@ mod tests {
     use isokit_lanes::Word;
 
     #[test]
-    fn the_cells_that_are_looked_at_are_those_whose_code_is_not_simple() {
+    fn the_cells_that_signs_leave_open_are_those_whose_code_is_not_simple() {
         for block in 0..4_usize {
             let code = |n: usize| (64 * block + n) as u8;
             let corner = |k: usize| (0..64).fold(0, |w, n| w | u64::from(code(n) >> k & 1) << n);

@@ -93,6 +93,8 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
             None => ids[usize::from(name)],
         };
         let own = split_off(&mut self.triangles, patch.triangles());
+        let of_discs = patch.discs().map(|disc| disc.triangles.len()).sum::<usize>();
+        debug_assert_eq!(own.len(), of_discs + self.filling.tube.len(), "as were counted");
         let discs = patch.discs().flat_map(|disc| disc.triangles);
         let is_kept = self.winding == Winding::Kept;
         let mut left = own.iter_mut();
@@ -103,7 +105,6 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
                 *own = turned;
             }
         });
-        debug_assert_eq!(left.len(), 0, "as many triangles as were counted");
         self.next += count as u32;
     }
 

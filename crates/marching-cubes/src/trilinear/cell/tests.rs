@@ -123,6 +123,10 @@ fn the_three_axes_agree() {
             continue;
         }
         let verdicts = [0, 1, 2].map(|axis| cell.verdict_along(axis));
+        if cell.values.iter().all(|value| value.fract() == 0.0) {
+            let whole = Cell { unit: Unit::ONE, ..cell };
+            assert_eq!([0, 1, 2].map(|axis| whole.verdict_along(axis)), verdicts, "{cell:?}");
+        }
         let row = cell.resolved(verdicts[0].joined);
         // The corners may be others of the same regions.
         let told = verdicts.map(|verdict| {
