@@ -196,7 +196,7 @@ fn cells_with_tunnels_have_the_patches_that_are_certified() {
         tunnels += usize::from(check_cell(corners).tunnel.is_some());
     }
     assert!(tunnels > cells(10_000) / 100, "{tunnels} tunnels");
-    looked_at(tunnels, "cells with a tunnel, among some without");
+    looked_at(tunnels, "cells with a tunnel");
 }
 
 /// Samples are so many units.

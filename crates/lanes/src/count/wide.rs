@@ -48,7 +48,7 @@ fn count_groups<P: Pack>(
     while let Some(mut stretch) = groups.next() {
         let mask = if stretch.has_cells() { u64::MAX } else { u64::MAX >> 16 };
         while let Some(group) = stretch.next() {
-            // Before the counts: after them it takes 1.01 of the time.
+            // Before the counts, not after them: 0.99 of the time (bonsai, EPYC of 2021, one thread, November 2026).
             if let Some(open) = &mut open {
                 group.push_open_places(open);
             }

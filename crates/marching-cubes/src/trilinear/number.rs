@@ -71,7 +71,7 @@ impl Unit {
         let unit = self.0?;
         let values = values.map(|value| value * unit);
         let is_short = values.iter().all(|value| value.abs() < Self::GREATEST);
-        // The last digits of the sum are those of the whole number: sooner done than asked what a cast asks.
+        // The last digits of the sum are those of the whole number. A cast would ask for NaN and for what is too great, too.
         let whole = |value: f64| i64::from((value + Self::UNITS).to_bits() as i32);
         is_short.then(|| values.map(whole))
     }
