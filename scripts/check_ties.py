@@ -3,9 +3,9 @@
 
 Small integers around the isovalue put samples exactly on it all the time, which is where
 extractors leave holes, edges of four faces and triangles without area. Each volume is 7 samples
-wide and holds random integers from -3 to 3; the isovalue is 0. The written PLY is looked at with
-trimesh, as stored and again after merging equal positions; the counters of isokit's own report
-must be zero as well.
+wide and holds random integers from -3 to 3; the isovalue is 0. The written mesh, of each format and
+by each mode in turn, is looked at with trimesh, as stored and again after merging equal positions;
+the counters of isokit's own report must be zero as well.
 """
 
 import argparse
@@ -23,18 +23,30 @@ from kit.tally import Tally
 
 COUNTERS = ("boundary_edges", "nonmanifold_edges", "degenerate_triangles")
 
+ENDINGS = ("ply", "stl", "obj", "glb", "gltf")
+
+MODES = (
+    (),
+    ("--topology", "table", "--placement", "linear"),
+    ("--placement", "cubic", "--diagonals", "fitted"),
+    ("--refine", "1", "--balance"),
+)
+"""As many as have no factor in common with the endings: seeds in a row try every pair."""
+
 
 def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:
     """Everything that is wrong with the surface of one volume."""
     volume = folder / f"{seed}.npy"
     np.save(volume, np.random.default_rng(seed).integers(-3, 4, (7, 7, 7), dtype=np.int8))
+    written = folder / f"{seed}.{ENDINGS[seed % len(ENDINGS)]}"
+    mode = MODES[seed % len(MODES)]
     try:
-        report = isokit.extract(volume, folder / f"{seed}.ply", "--iso", "0", "--threads", "1")
+        report = isokit.extract(volume, written, "--iso", "0", "--threads", "1", *mode)
     except Failed as failure:
         return [str(failure)]
     surface = report["surfaces"][0]
     faults = [f"report: {key} {surface[key]}" for key in COUNTERS if surface[key] != 0]
-    (part,) = parts_of(folder / f"{seed}.ply")
+    (part,) = parts_of(written)
     if len(part.mesh.faces) != surface["triangles"]:
         faults.append(f"{len(part.mesh.faces)} triangles of {surface['triangles']}")
     faults += mesh_faults(part.mesh, "as stored")

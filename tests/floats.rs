@@ -177,7 +177,7 @@ fn digests<T: Sample>(
     }
 }
 
-/// Of volumes of denormal numbers of both signs, and of one that has few of them.
+/// Of volumes of denormal numbers of both signs, of one that has few of them, and of two that have none.
 fn all_digests() -> Vec<String> {
     let (mut lines, mut chance) = (vec![], Chance::new(1));
     let grid = Grid::new([13, 11, 14], Frame::default()).unwrap(); // higher than any least window
@@ -193,6 +193,12 @@ fn all_digests() -> Vec<String> {
     let mixed = |r: u64| [1.0, -1.0, -1e-40, 1e-40, 0.0][r as usize % 5];
     let volume = Volume::new(grid, bits().into_iter().map(mixed).collect::<Vec<f32>>()).unwrap();
     digests(&volume, (0.0, Some(5e-41)), &mut lines);
+    let usual = |r: u64| (r % 1000) as f32 * 1e-3;
+    let volume = Volume::new(grid, bits().into_iter().map(usual).collect()).unwrap();
+    digests(&volume, (0.6, Some(0.2)), &mut lines);
+    let whole = |r: u64| (r % 256) as u8;
+    let volume = Volume::new(grid, bits().into_iter().map(whole).collect()).unwrap();
+    digests(&volume, (127.0, Some(50.0)), &mut lines);
     lines
 }
 

@@ -1,6 +1,7 @@
 //! The report: the keys that scripts rely on, and what stands there.
 
 use crate::kit::Folder;
+use isokit::geom::Space;
 use isokit_cli::Exit;
 use serde_json::{Value, json};
 
@@ -35,6 +36,24 @@ fn every_key_that_was_promised_is_there() {
     assert_keys(&report["surfaces"][0], &["singular_cells"]);
     assert_keys(&report["skipped"], &["bricks", "bricks_skipped", "samples_read"]);
     assert_keys(&report["timings_s"], &["read", "index", "extract", "mend", "write", "total"]);
+}
+
+#[test]
+fn cells_in_which_the_field_touches_itself_are_counted() {
+    let folder = Folder::new();
+    // The saddle of one face is 0, and both cells of the face have it.
+    folder.volume("saddle.nii", Space::Ras, |ijk| match ijk {
+        [5, 5, 5] | [6, 6, 5] => 1.0,
+        [6, 5, 5] | [5, 6, 5] => -1.0,
+        _ => -9.0,
+    });
+    for (topology, cells) in [("trilinear", 2), ("table", 0)] {
+        let line = "extract saddle.nii --iso 0 -o a.ply --report r.json -v";
+        let ran = folder.done(&format!("{line} --topology {topology}"));
+        assert_eq!(folder.json("r.json")["surfaces"][0]["singular_cells"], cells, "{topology}");
+        let says = "a saddle is exactly on the isovalue in 2 cells";
+        assert_eq!(ran.err.contains(says), cells > 0, "{}", ran.err);
+    }
 }
 
 #[test]

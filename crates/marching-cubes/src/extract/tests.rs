@@ -2,7 +2,8 @@
 
 use super::{count, extract};
 use crate::{
-    Boundary, Degenerate, ExtractError, ExtractOptions, Nan, Placement, Topology, case::TRIANGLES,
+    Boundary, Degenerate, Diagonals, ExtractError, ExtractOptions, Nan, Placement, Topology,
+    case::TRIANGLES,
 };
 use isokit_geom::{Affine, Frame, cube::Edge};
 use isokit_job::{Job, Limits, Stopped};
@@ -257,6 +258,20 @@ fn has_area([p, q, r]: [[f64; 3]; 3]) -> bool {
     (0..3).any(|k| u[k] * v[(k + 1) % 3] != u[(k + 1) % 3] * v[k])
 }
 
+/// Every topology with every placement, open and closed, and the default with fitted diagonals.
+fn modes() -> Vec<ExtractOptions> {
+    let mut all = vec![ExtractOptions::DEFAULT.with_diagonals(Diagonals::Fitted)];
+    for topology in [Topology::Table, Topology::Trilinear] {
+        for placement in [Placement::Linear, Placement::Cubic, Placement::Quintic] {
+            for boundary in [Boundary::Closed, Boundary::Open] {
+                let options = ExtractOptions::DEFAULT.with_topology(topology);
+                all.push(options.with_placement(placement).with_boundary(boundary));
+            }
+        }
+    }
+    all
+}
+
 #[test]
 fn however_far_away_no_position_repeats_and_every_triangle_has_an_area() {
     for (seed, exponent) in (0..).zip((0..230).map(|n| f64::from(n) * 0.2)) {
@@ -266,14 +281,17 @@ fn however_far_away_no_position_repeats_and_every_triangle_has_an_area() {
         for columns in [columns, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]] {
             let index_to_world = Affine::new(columns, [origin, -origin, origin / 3.0]).unwrap();
             let view = volume.view().with_frame(Frame { index_to_world, ..Frame::default() });
-            let mesh = extract(&view, 1.0, &ExtractOptions::DEFAULT, &Job::default()).unwrap();
-            let mut places: Vec<_> = mesh.positions.iter().map(|p| p.map(f64::to_bits)).collect();
-            places.sort_unstable();
-            let count = places.len();
-            places.dedup();
-            assert_eq!(places.len(), count, "at {origin}");
-            let flat = mesh.triangles.iter().filter(|&&t| !has_area(mesh.corners(t))).count();
-            assert_eq!(flat, 0, "at {origin}, {:?}", mesh.positions.precision());
+            for options in modes() {
+                let mesh = extract(&view, 1.0, &options, &Job::default()).unwrap();
+                let places = mesh.positions.iter().map(|p| p.map(f64::to_bits));
+                let mut places: Vec<_> = places.collect();
+                places.sort_unstable();
+                let count = places.len();
+                places.dedup();
+                assert_eq!(places.len(), count, "at {origin}, {options:?}");
+                let flat = mesh.triangles.iter().filter(|&&t| !has_area(mesh.corners(t))).count();
+                assert_eq!(flat, 0, "at {origin}, {options:?}, {:?}", mesh.positions.precision());
+            }
         }
     }
 }

@@ -95,16 +95,16 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
         let own = split_off(&mut self.triangles, patch.triangles());
         let of_discs = patch.discs().map(|disc| disc.triangles.len()).sum::<usize>();
         debug_assert_eq!(own.len(), of_discs + self.filling.tube.len(), "as were counted");
-        let discs = patch.discs().flat_map(|disc| disc.triangles);
         let is_kept = self.winding == Winding::Kept;
         let mut left = own.iter_mut();
-        discs.chain(&self.filling.tube).for_each(|triangle| {
-            let [a, b, c] = triangle.map(number);
-            let turned = if is_kept { [a, b, c] } else { [a, c, b] };
-            if let Some(own) = left.next() {
-                *own = turned;
+        let mut write = |triangles: &[[u8; 3]]| {
+            for (triangle, own) in triangles.iter().zip(&mut left) {
+                let [a, b, c] = triangle.map(number);
+                *own = if is_kept { [a, b, c] } else { [a, c, b] };
             }
-        });
+        };
+        patch.discs().for_each(|disc| write(disc.triangles));
+        write(&self.filling.tube);
         self.next += count as u32;
     }
 
