@@ -2,7 +2,7 @@
 //! otherwise from its first to its last thread.
 //!
 //! Such a library is compiled here and loaded into a copy of this process, which extracts from volumes of
-//! denormal numbers on all that works on samples, makes pictures of them, and tells what came out.
+//! denormal and of usual numbers on all that works on samples, makes pictures of them, and tells what came out.
 
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
@@ -12,8 +12,8 @@ use isokit::{
     job::{Job, Threads},
     lanes::Level,
     marching_cubes::{
-        Boundary, Budget, Diagonals, ExtractOptions, Gradient, Placement, Slabs, Source, Topology,
-        count, extract, extract_many, extract_slabs,
+        Budget, Diagonals, ExtractOptions, Slabs, Source, count, extract, extract_many,
+        extract_slabs,
     },
     mesh::{TriMesh, topology},
     refine::{Isosurface, RefineOptions, Subdivision, refine},
@@ -23,7 +23,7 @@ use isokit::{
     },
     volume::{Bricks, Grid, Histogram, Sample, Slices, Statistics, Volume},
 };
-use isokit_tests::chance::Chance;
+use isokit_tests::{chance::Chance, modes::modes};
 use std::{
     env, fs,
     hint::black_box,
@@ -63,26 +63,6 @@ impl Digest {
 /// Whether denormal numbers are taken for 0 in this thread.
 fn flushes() -> bool {
     black_box(f32::from_bits(1)) * black_box(2.0) == 0.0
-}
-
-fn modes() -> Vec<ExtractOptions> {
-    let mut all = vec![];
-    for topology in [Topology::Table, Topology::Trilinear] {
-        for (placement, gradient) in [
-            (Placement::Linear, Gradient::Central),
-            (Placement::Cubic, Gradient::Matching),
-            (Placement::Quintic, Gradient::Central),
-            (Placement::Quintic, Gradient::Matching),
-        ] {
-            for boundary in [Boundary::Closed, Boundary::Open] {
-                let options = ExtractOptions::DEFAULT.with_topology(topology);
-                let options = options.with_placement(placement).with_gradient(gradient);
-                all.push(options.with_boundary(boundary));
-            }
-        }
-    }
-    all.push(ExtractOptions::DEFAULT.with_diagonals(Diagonals::Fitted));
-    all
 }
 
 fn refinements() -> [RefineOptions; 3] {
@@ -139,7 +119,8 @@ fn digests<T: Sample>(
     let (view, threads) = (volume.view(), Threads::new(NonZeroUsize::new(3).unwrap()).unwrap());
     for job in [Job::default(), Job { threads, ..Job::default() }] {
         let bricks = Bricks::of(&view, &job).unwrap();
-        for options in modes() {
+        let fitted = ExtractOptions::DEFAULT.with_diagonals(Diagonals::Fitted);
+        for options in modes().into_iter().chain([fitted]) {
             let mesh = extract(&view, iso, &options, &job).unwrap();
             assert!(mesh.triangles.len() > 100, "{} show little", mesh.triangles.len());
             let counted = count(&view, iso, &options, &job).unwrap();
@@ -207,7 +188,7 @@ const TOLD: &str = "ISOKIT_FLOATS_TOLD";
 
 /// The copies below run this test alone.
 #[test]
-fn volumes_of_denormal_numbers_have_surfaces() {
+fn volumes_of_denormal_and_of_usual_numbers_have_surfaces() {
     let mut lines = vec![format!("flushes {}, level {}", flushes(), Level::current())];
     lines.extend(all_digests());
     assert!(lines.len() > 50, "{} lines", lines.len());
@@ -254,7 +235,9 @@ fn file(name: &str) -> PathBuf {
 fn told(environment: &[(&str, &str)]) -> Vec<String> {
     let path = file("told");
     let mut command = Command::new(env::current_exe().unwrap());
-    command.args(["--exact", "volumes_of_denormal_numbers_have_surfaces"]).env(TOLD, &path);
+    command
+        .args(["--exact", "volumes_of_denormal_and_of_usual_numbers_have_surfaces"])
+        .env(TOLD, &path);
     let ended = command.envs(environment.iter().copied()).output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stdout));
     let text = fs::read_to_string(&path).unwrap();

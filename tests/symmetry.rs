@@ -16,6 +16,7 @@ use isokit_tests::{
     chance::Chance,
     check::{Census, sides_of},
     fields,
+    modes::modes,
 };
 use std::{array::from_fn, collections::BTreeMap};
 
@@ -139,26 +140,6 @@ fn chance(dims: [u64; 3], seed: u64) -> Volume<f32> {
 
 fn mesh<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) -> TriMesh {
     extract(view, iso, options, &Job::default()).unwrap()
-}
-
-/// Options that say what a surface is, and what its normals are made from.
-fn modes() -> Vec<ExtractOptions> {
-    let mut all = vec![];
-    for topology in [Topology::Table, Topology::Trilinear] {
-        for (placement, gradient) in [
-            (Placement::Linear, Gradient::Central),
-            (Placement::Cubic, Gradient::Matching),
-            (Placement::Quintic, Gradient::Central),
-            (Placement::Quintic, Gradient::Matching),
-        ] {
-            for boundary in [Boundary::Closed, Boundary::Open] {
-                let options = ExtractOptions::DEFAULT.with_topology(topology);
-                let options = options.with_placement(placement).with_gradient(gradient);
-                all.push(options.with_boundary(boundary));
-            }
-        }
-    }
-    all
 }
 
 /// Pieces and Euler characteristic.

@@ -14,13 +14,15 @@ use isokit::{
     geom::Frame,
     job::{Job, Threads},
     marching_cubes::{
-        Boundary, Budget, Degenerate, Diagonals, ExtractOptions, Gradient, Placement, Slabs,
-        Source, Topology, extract, extract_many, extract_slabs,
+        Boundary, Budget, Degenerate, Diagonals, ExtractOptions, Placement, Slabs, Source,
+        Topology, extract, extract_many, extract_slabs,
     },
     mesh::TriMesh,
     volume::{Bricks, Grid, Sample, Slices, View, Volume},
 };
-use isokit_tests::{check::Census, fields::Field, oracle::assert_as_defined, reference::Surface};
+use isokit_tests::{
+    check::Census, fields::Field, modes::modes, oracle::assert_as_defined, reference::Surface,
+};
 use std::{array::from_fn, num::NonZeroUsize, sync::OnceLock};
 
 /// All options under which the surface must be as the table defines it.
@@ -31,26 +33,6 @@ fn options() -> Vec<ExtractOptions> {
             let options = ExtractOptions::DEFAULT.with_topology(Topology::Table);
             let options = options.with_placement(Placement::Linear);
             all.push(options.with_boundary(boundary).with_degenerate(degenerate));
-        }
-    }
-    all
-}
-
-/// All that say what the surface is, with vertices kept apart.
-fn modes() -> Vec<ExtractOptions> {
-    let mut all = vec![];
-    for topology in [Topology::Table, Topology::Trilinear] {
-        for (placement, gradient) in [
-            (Placement::Linear, Gradient::Central),
-            (Placement::Cubic, Gradient::Matching),
-            (Placement::Quintic, Gradient::Central),
-            (Placement::Quintic, Gradient::Matching),
-        ] {
-            for boundary in [Boundary::Closed, Boundary::Open] {
-                let options = ExtractOptions::DEFAULT.with_topology(topology);
-                let options = options.with_placement(placement).with_gradient(gradient);
-                all.push(options.with_boundary(boundary));
-            }
         }
     }
     all

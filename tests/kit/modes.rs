@@ -1,0 +1,23 @@
+//! The options that say what a surface is, and what its normals are made from.
+
+use isokit::marching_cubes::{Boundary, ExtractOptions, Gradient, Placement, Topology};
+
+/// Each topology with each maker of vertices and normals, closed and open; vertices are kept apart.
+pub fn modes() -> Vec<ExtractOptions> {
+    let mut all = vec![];
+    for topology in [Topology::Table, Topology::Trilinear] {
+        for (placement, gradient) in [
+            (Placement::Linear, Gradient::Central),
+            (Placement::Cubic, Gradient::Matching),
+            (Placement::Quintic, Gradient::Central),
+            (Placement::Quintic, Gradient::Matching),
+        ] {
+            for boundary in [Boundary::Closed, Boundary::Open] {
+                let options = ExtractOptions::DEFAULT.with_topology(topology);
+                let options = options.with_placement(placement).with_gradient(gradient);
+                all.push(options.with_boundary(boundary));
+            }
+        }
+    }
+    all
+}
