@@ -4,9 +4,9 @@ use crate::pipeline::{IsoChoice, RegionError, UnknownSpace};
 use isokit_field::ResampleError;
 use isokit_io::{ReadError, WriteError};
 use isokit_job::{Cancelled, OverLimit, Stopped};
-use isokit_marching_cubes::ExtractError;
+use isokit_marching_cubes::{ExtractError, SlabError};
 use isokit_refine::RefineError;
-use std::ops::Range;
+use std::{convert::Infallible, ops::Range};
 
 /// Why a step from scan to mesh failed.
 #[derive(Debug, thiserror::Error)]
@@ -55,6 +55,27 @@ impl From<Cancelled> for PipelineError {
 impl From<OverLimit> for PipelineError {
     fn from(over: OverLimit) -> Self {
         Self::Stopped(over.into())
+    }
+}
+
+impl From<Infallible> for PipelineError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
+}
+
+/// What befell the slices of a part, with sample numbers of the whole volume.
+pub(super) fn of_slabs<R: Into<PipelineError>, E: Into<PipelineError>>(
+    error: SlabError<R, E>,
+    part: &[Range<usize>; 3],
+) -> PipelineError {
+    match error {
+        SlabError::Source(error) => error.into(),
+        SlabError::Extract(error) => match error.into_sink() {
+            Ok(error) => error.into(),
+            Err(ExtractError::Stopped(stopped)) => stopped.into(),
+            Err(error) => in_whole(error, part).into(),
+        },
     }
 }
 

@@ -2,12 +2,12 @@
 
 use crate::pipeline::{
     Index, IsoChoice, Normals, PipelineError, Region, Remark, ScanFile, SurfaceOptions,
-    TargetSpace, error::in_whole, index, iso::Facts,
+    TargetSpace, error::of_slabs, index, iso::Facts,
 };
 use isokit_geom::Frame;
 use isokit_io::{Format, MeshContext, PartSlices, ReadError, ReadFault, VolumeOptions};
 use isokit_job::{Job, OverLimit};
-use isokit_marching_cubes::{Budget, ExtractError, Extracted, SlabError, Slabs, extract_slabs};
+use isokit_marching_cubes::{Budget, Extracted, Slabs, extract_slabs};
 use isokit_mesh::{Counts, MeshSinks};
 use isokit_volume::{
     AnyBricks, BrickGrid, Bricks, Dtype, Grid, Histogram, Observed, Sample, Scaling, Statistics,
@@ -240,7 +240,7 @@ impl SlabScan {
                 extract_slabs(&mut source, &slabs, sinks, job)
             }
         });
-        let mut found = found.map_err(|error| self.of_slabs(error))?;
+        let mut found = found.map_err(|error| of_slabs(error, &self.part()))?;
         if let Some(bricks) = &self.bricks {
             // Of an index that was left aside no brick is skipped.
             let bricks = index::bricks_of_part(bricks, &self.part());
@@ -253,17 +253,6 @@ impl SlabScan {
     fn told<T: Sample>(&self) -> Option<Statistics> {
         let bricks = self.bricks.as_ref().filter(|_| !self.is_cropped())?;
         Statistics::of_bricks(bricks.of::<T>()?, self.scaling())
-    }
-
-    fn of_slabs<E: Into<PipelineError>>(&self, error: SlabError<ReadError, E>) -> PipelineError {
-        match error {
-            SlabError::Source(error) => error.into(),
-            SlabError::Extract(error) => match error.into_sink() {
-                Ok(error) => error.into(),
-                Err(ExtractError::Stopped(stopped)) => stopped.into(),
-                Err(error) => in_whole(error, &self.part()).into(),
-            },
-        }
     }
 
     /// What is peculiar about a surface of so many vertices and triangles, if anything. Looks at the

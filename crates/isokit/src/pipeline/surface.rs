@@ -14,6 +14,8 @@ pub enum Normals {
     #[default]
     Gradient,
     /// Those of the triangles around a vertex, weighted by area.
+    ///
+    /// Not promised: an order of those of the field. They are those of flat triangles.
     Area,
     /// None. A viewer shades each triangle flat, or makes normals of its own.
     None,

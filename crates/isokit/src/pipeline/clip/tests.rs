@@ -1,0 +1,121 @@
+//! Balls, waves and noise that planes cut.
+
+use super::{
+    Placement,
+    samples::{Clipped, WINDOW, cuts},
+};
+use crate::pipeline::{Scan, SurfaceOptions};
+use isokit_geom::{
+    Affine, Frame, HalfSpace,
+    vector::{dot, length},
+};
+use isokit_job::Job;
+use isokit_mesh::{TriMesh, topology};
+use isokit_volume::{Grid, Volume, collect};
+use std::f64::consts::PI;
+
+/// How deep a place is in a ball of radius 10 around 0.
+fn ball() -> Scan {
+    let affine = Affine::axis_aligned([0.5, 0.6, 0.55], [-12.0; 3]).unwrap();
+    let grid = Grid::new([49, 41, 45], Frame { index_to_world: affine, ..Frame::default() });
+    let grid = grid.unwrap();
+    let depth = |n: u64| {
+        let place = affine.point([n % 49, n / 49 % 41, n / 2009].map(|i| i as f64));
+        (10.0 - length(place)) as f32
+    };
+    Scan::new(Volume::new(grid, (0..grid.count()).map(depth).collect()).unwrap())
+}
+
+fn clipped(scan: &Scan, iso: f64, planes: &[HalfSpace]) -> TriMesh {
+    let (options, job) = (SurfaceOptions::default(), Job::default());
+    scan.clipped_mesh(iso, planes, &options, &job).unwrap().0
+}
+
+#[test]
+fn a_ball_that_a_plane_cuts_is_closed_and_flat_there_with_the_volume_of_its_cap() {
+    for (normal, far) in [([0.0, 0.0, 1.0], 3.0), ([1.0, -2.0, 0.5], -4.0), ([3.0, 1.0, 2.0], 0.0)]
+    {
+        let long = length(normal);
+        let plane = HalfSpace::new(normal, far * long).unwrap();
+        let mesh = clipped(&ball(), 0.0, &[plane]);
+        let found = topology(&mesh, &Job::default()).unwrap();
+        assert_eq!(found.shortfalls(), [""; 0]);
+        assert_eq!((found.components.len(), found.euler()), (1, 2));
+        // All but a cap of height 10 - far.
+        let height = 10.0 - far;
+        let whole = 4.0 / 3.0 * PI * 1000.0;
+        let expected = whole - PI * height * height * (30.0 - height) / 3.0;
+        assert!(
+            (found.measure.volume / expected - 1.0).abs() < 0.015,
+            "{} for {expected}",
+            found.measure.volume
+        );
+        // The farthest vertices are on the plane, and look along it.
+        let unit = normal.map(|c| c / long);
+        let normals = mesh.normals.as_ref().unwrap();
+        let (mut on, mut area) = (0, 0.0);
+        for (place, normal) in mesh.positions.iter().zip(normals) {
+            let away = dot(unit, place) - far;
+            assert!(away < 2e-3, "{away}");
+            let outward = if away > -1e-6 { unit } else { place.map(|c| c / length(place)) };
+            on += u32::from(away > -1e-6);
+            let cosine = dot(normal.map(f64::from), outward);
+            area += f64::from(u8::from(cosine < 0.9));
+        }
+        let circle = PI * (100.0 - far * far) / 0.3;
+        assert!(f64::from(on) > 0.5 * circle, "{on} of {circle}");
+        assert!(area < 0.02 * normals.len() as f64, "{area} of {}", normals.len());
+    }
+}
+
+#[test]
+fn slice_by_slice_it_is_the_surface_of_all_samples_that_planes_cut() {
+    let job = Job::default();
+    let grid = Grid::new([300, 160, 90], Frame::default()).unwrap(); // 5 slices and more are WINDOW
+    let wave = |n: u64| {
+        let [i, j, k] = [n % 300, n / 300 % 160, n / 48_000].map(|i| i as f64);
+        ((i * 0.21).sin() + (j * 0.17).cos() + (k * 0.3).sin()) as f32
+    };
+    let volume = Volume::new(grid, (0..grid.count()).map(wave).collect()).unwrap();
+    let planes = [HalfSpace::new([1.0, 2.0, -0.5], 250.0).unwrap()];
+    let options = SurfaceOptions::default();
+    let linear = options.extract.clone().with_placement(Placement::Linear);
+    let linear = options.clone().with_extract(linear);
+    let (view, cuts) = (volume.view(), cuts(&grid.frame.index_to_world, &planes));
+    let clipped = Clipped { view, iso: 0.5, steep: 1.0, cuts: &cuts, known: None };
+    assert!(8 * grid.count() > WINDOW, "more than one window");
+    let whole = collect(&mut clipped.slices(&job), &job).unwrap();
+    let whole = Scan::new(whole).mesh(0.5, &linear, &job).unwrap();
+    let mut slabs = [TriMesh::default()];
+    clipped.meshes_into(&linear, &mut slabs, &job).unwrap();
+    assert!(whole.triangles.len() > 10_000 && slabs == [whole]);
+}
+
+#[test]
+fn any_planes_leave_what_is_closed_and_none_or_all_of_it() {
+    let plane = |normal, offset| HalfSpace::new(normal, offset).unwrap();
+    let wedge =
+        [plane([1.0, 0.0, 0.0], 0.0), plane([0.2, 1.0, 0.0], 1.0), plane([0.0, 0.3, -1.0], 2.0)];
+    let grid = Grid::new([9; 3], Frame::default()).unwrap();
+    let mut state = 7_u64;
+    let mut chance = |_| {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+        (state >> 60) as i8 - 8
+    };
+    for n in 0..60 {
+        let noise = Volume::new(grid, (0..729).map(&mut chance).collect()).unwrap();
+        let scan = Scan::new(noise);
+        let at = f64::from(n % 7) * 0.5;
+        let cuts = [plane([1.0, f64::from(n % 3), 0.0], 3.0 + at), plane([0.0, -1.0, 1.0], at)];
+        let found = topology(&clipped(&scan, 0.0, &cuts), &Job::default()).unwrap();
+        assert_eq!(found.shortfalls(), [""; 0], "{n}");
+    }
+    let found = topology(&clipped(&ball(), 0.0, &wedge), &Job::default()).unwrap();
+    assert_eq!((found.shortfalls().len(), found.components.len()), (0, 1));
+    let nothing = clipped(&ball(), 0.0, &[plane([0.0, 0.0, 1.0], -50.0)]);
+    assert_eq!(nothing.triangles.len(), 0);
+    let all = clipped(&ball(), 0.0, &[plane([0.0, 0.0, 1.0], 50.0)]);
+    let linear = SurfaceOptions::default();
+    let linear = linear.clone().with_extract(linear.extract.with_placement(Placement::Linear));
+    assert_eq!(all.triangles, ball().mesh(0.0, &linear, &Job::default()).unwrap().triangles);
+}
