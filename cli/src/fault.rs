@@ -309,6 +309,11 @@ mod tests {
         let of = |error: ExtractError| Fault::of(&PipelineError::from(error).into());
         let long = of(ExtractError::TooLong { axis: 2, size: 1 << 31 });
         assert_eq!((long.whose(), long.advice()), ("isokit's fault", "take a part with --roi"));
+        let large = of(ExtractError::TooLarge { vertices: 1 << 32, triangles: 1 << 33 });
+        assert_eq!(large.whose(), "isokit's fault");
+        for option in ["--roi", "another isovalue", "--max-memory does not help"] {
+            assert!(large.advice().contains(option), "{}", large.advice());
+        }
         let iso = of(ExtractError::Iso(f64::NAN));
         assert_eq!(iso.whose(), "the caller's fault");
         assert!(iso.advice().contains("another isovalue"));

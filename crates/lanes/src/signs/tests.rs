@@ -48,6 +48,27 @@ fn check<T: Lane + Debug>(bounds: &[T], sample: fn(u64) -> T) {
     }
 }
 
+/// Rows of every length that begin at every place of a cache line.
+#[track_caller]
+fn check_places<T: Lane + Debug>(bound: T, sample: fn(u64) -> T) {
+    let places = 64 / size_of::<T>();
+    let all: Vec<T> = (0..200 + places as u64).map(|n| sample(n * n / 7)).collect();
+    let threshold = Threshold::AtLeast(bound);
+    let alone = Thresholds::new(&[threshold]).unwrap();
+    let mut out = [u64::MAX; 4];
+    for (length, first) in (0..=200).flat_map(|length| (0..places).map(move |at| (length, at))) {
+        let row = &all[first..][..length];
+        let expected = by_definition(row, |sample| threshold.is_inside(sample));
+        for &level in Level::available() {
+            out.fill(u64::MAX);
+            let (found, beyond) = out.split_at_mut(words(length));
+            many_at(level, row, &alone, Strided { out: found, stride: 0, step: 1 });
+            assert_eq!(found, expected, "{level}, {length} samples from {first}");
+            assert!(beyond.iter().all(|&word| word == u64::MAX), "{level}, {length} samples");
+        }
+    }
+}
+
 /// Every first so many bounds at once against each alone.
 #[track_caller]
 fn check_many<T: Lane + Debug>(row: &[T], bounds: &[T]) {
@@ -85,6 +106,18 @@ fn thresholds_of_two_directions_or_that_nothing_passes_are_not_asked_at_once() {
     assert_eq!(fits(&[AtLeast(7), AtLeast(3), AtLeast(7)]), Some(3));
     assert_eq!(fits(&[AtMost(7)]), Some(1));
     assert_eq!([fits(&[]), fits(&[AtLeast(7), AtMost(3)]), fits(&[AtLeast(7), Never])], [None; 3]);
+}
+
+#[test]
+fn every_length_agrees_with_the_definition_wherever_it_begins() {
+    check_places(128, |n| (n * 37) as u8);
+    check_places(-1, |n| (n * 37) as i8);
+    check_places(0x8000, |n| (n * 9001) as u16);
+    check_places(0, |n| (n * 9001) as i16);
+    check_places(1 << 31, |n| (n * 900_001_937) as u32);
+    check_places(0, |n| (n * 900_001_937) as i32);
+    check_places(0.0, |n| (n * 37 % 11) as f32 - 5.0);
+    check_places(0.0, |n| (n * 37 % 11) as f64 - 5.0);
 }
 
 #[test]

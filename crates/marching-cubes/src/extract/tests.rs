@@ -1,6 +1,6 @@
 //! The surface against its definition, cell by cell and edge by edge, with a map for the numbers.
 
-use super::{count, extract};
+use super::{check_size, count, extract};
 use crate::{
     Boundary, Degenerate, Diagonals, ExtractError, ExtractOptions, Nan, Placement, Topology,
     case::TRIANGLES,
@@ -329,4 +329,17 @@ fn errors_say_whose_fault_it_is() {
     cancelled.cancel.cancel();
     let error = of(0.5, Nan::Outside, &cancelled);
     assert!(matches!(error, ExtractError::Stopped(Stopped::Cancelled(_))), "{error}");
+}
+
+#[test]
+fn what_32_bits_cannot_number_is_an_error_that_counts_it() {
+    let most = u64::from(u32::MAX);
+    let sized = |vertices, widest| check_size(Counts { vertices, triangles: 2 * vertices }, widest);
+    assert!(sized(most, most).is_ok());
+    for (vertices, widest) in [(most + 1, 6), (6, most + 1)] {
+        let error: ExtractError = sized(vertices, widest).unwrap_err();
+        let counted = format!("{vertices} vertices and {} triangles", 2 * vertices);
+        assert!(matches!(error, ExtractError::TooLarge { .. }));
+        assert!(error.to_string().contains(&counted), "{error}");
+    }
 }
