@@ -10,6 +10,9 @@ pub enum Subdivision {
     None,
     /// On every edge, so many times over: each triangle becomes four, and these four each, …; 1 to
     /// [`MOST`](Self::MOST).
+    ///
+    /// Not promised: an error. Where the field is smooth each division leaves about a quarter of it, at steps and in noise it may
+    /// leave all.
     Levels(u32),
     /// On edges along which the field curves, until no triangle leaves its surface by more than this, in world
     /// units; above 0.
@@ -30,6 +33,9 @@ impl Subdivision {
 pub struct RefineOptions {
     /// Creases get vertices, before all else: where faces meet whose normals are more than so many degrees apart; above 0,
     /// below 180. Only a field with creases has them: one between samples has none. Default: nothing is done about them.
+    ///
+    /// Not promised: that each gets them. Where faces come too near to each other for the samples, or a thin triangle would turn
+    /// over, a crease or a corner stays cut off.
     pub creases: Option<f64>,
     /// Where new vertices go. Default: [`Subdivision::None`].
     pub subdivision: Subdivision,
