@@ -10,12 +10,12 @@ use isokit::{
         Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
     },
     mesh::{Precision, TriMesh},
-    volume::{Grid, Sample, View, Volume},
+    volume::{Dtype, Grid, Sample, View, Volume},
 };
 use isokit_tests::{
     chance::Chance,
     check::{Census, sides_of},
-    fields,
+    fields, hard,
     modes::modes,
 };
 use std::{array::from_fn, collections::BTreeMap};
@@ -227,6 +227,24 @@ fn samples_on_the_isovalue_in_forty_eight_copies() {
         let mut chance = Chance::new(seed);
         // Differences of so few numbers cancel: then rounding says where a normal points.
         check(&made([5, 7, 6], |_| chance.below(5) as i8 - 2), 0.0, false);
+    }
+}
+
+/// The isovalue and what is next to it, the greatest and the least there is, and what is no number.
+#[test]
+fn extremes_in_forty_eight_copies() {
+    for seed in 0..2 {
+        let mut chance = Chance::new(seed);
+        let mut any = |dtype| {
+            let hard = hard::values(dtype, 1.0);
+            let all = (0..7 * 5 * 6).map(|_| hard[chance.below(hard.len() as u64) as usize]);
+            all.collect::<Vec<_>>()
+        };
+        let at = |[i, j, k]: [u64; 3]| (i + 7 * (j + 5 * k)) as usize;
+        let (single, double, whole) = (any(Dtype::F32), any(Dtype::F64), any(Dtype::I32));
+        check(&made([7, 5, 6], |ijk| single[at(ijk)] as f32), 1.0, false);
+        check(&made([7, 5, 6], |ijk| double[at(ijk)]), 1.0, false);
+        check(&made([7, 5, 6], |ijk| whole[at(ijk)] as i32), 1.0, false);
     }
 }
 
