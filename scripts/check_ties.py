@@ -3,22 +3,25 @@
 
 Small integers around the isovalue put samples exactly on it all the time, which is where
 extractors leave holes, edges of four faces and triangles without area. Each volume is 7 samples
-wide and holds random integers from -3 to 3; the isovalue is 0. The written mesh, of each format and
-by each mode in turn, is looked at with trimesh, as stored and again after merging equal positions;
-the counters of isokit's own report must be zero as well.
+wide and holds random integers from -3 to 3; the isovalue is 0. The written mesh, of each format, by
+each mode and in each place in turn, is looked at with trimesh, as stored and again after merging
+equal positions; the counters of isokit's own report must be zero as well. A glTF rounds positions
+twice, being in metres.
 """
 
 import argparse
 import sys
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from kit.program import Failed, Isokit
-from kit.surface import faces_per_edge, parts_of
+from kit.surface import faces_per_edge, merged, parts_of
 from kit.tally import Tally
 
 COUNTERS = ("boundary_edges", "nonmanifold_edges", "degenerate_triangles")
@@ -34,10 +37,36 @@ MODES = (
 """As many as have no factor in common with the endings: seeds in a row try every pair."""
 
 
+@dataclass
+class Place:
+    """Where the samples lie, in a unit."""
+
+    directions: tuple
+    origin: tuple
+    unit: str
+
+
+TURNED = ((0.3, 0.4, 0.0), (0.4, -0.3, 0.0), (0.0, 0.1, 1.2))
+PLACES = (
+    None,
+    Place(np.diag((0.7, 0.7, 2.5)), (-179.3, 80.1, 1200.7), "mm"),
+    Place(TURNED, (10_000.0, -7000.0, 333.3), "mm"),
+    # A fortieth farther out, vertices are kept in f64.
+    Place(np.diag((1.0, 1.0, 1.0)), (255_500.0, -130_000.0, 7.0), "mm"),
+    Place(np.diag((0.1, 0.1, 0.3)), (0.0, 50.0, -25.0), "um"),
+)
+"""Every pair of format and mode meets the next one in turn."""
+
+
 def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:
     """Everything that is wrong with the surface of one volume."""
-    volume = folder / f"{seed}.npy"
-    np.save(volume, np.random.default_rng(seed).integers(-3, 4, (7, 7, 7), dtype=np.int8))
+    samples = np.random.default_rng(seed).integers(-3, 4, (7, 7, 7), dtype=np.int8)
+    place = PLACES[seed // (len(ENDINGS) * len(MODES)) % len(PLACES)]
+    volume = folder / f"{seed}.{'nrrd' if place else 'npy'}"
+    if place:
+        volume.write_bytes(nrrd(place) + samples.tobytes())
+    else:
+        np.save(volume, samples)
     written = folder / f"{seed}.{ENDINGS[seed % len(ENDINGS)]}"
     mode = MODES[seed % len(MODES)]
     try:
@@ -46,12 +75,33 @@ def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:
         return [str(failure)]
     surface = report["surfaces"][0]
     faults = [f"report: {key} {surface[key]}" for key in COUNTERS if surface[key] != 0]
+    if report["merged_vertices"] != 0:
+        faults.append(f"report: {report['merged_vertices']} vertices merged")
     (part,) = parts_of(written)
     if len(part.mesh.faces) != surface["triangles"]:
         faults.append(f"{len(part.mesh.faces)} triangles of {surface['triangles']}")
     faults += mesh_faults(part.mesh, "as stored")
-    part.mesh.merge_vertices()
-    return faults + mesh_faults(part.mesh, "merged")
+    return faults + mesh_faults(merged(part.mesh), "merged")
+
+
+def nrrd(place: Place) -> bytes:
+    """The header of a file with the samples of a volume in this place."""
+
+    def vector(numbers: Sequence[float]) -> str:
+        return f"({','.join(map(str, numbers))})"
+
+    lines = (
+        "NRRD0005",
+        "type: int8",
+        "dimension: 3",
+        "space dimension: 3",
+        "sizes: 7 7 7",
+        f"space directions: {' '.join(map(vector, place.directions))}",
+        f"space origin: {vector(place.origin)}",
+        "space units:" + f' "{place.unit}"' * 3,
+        "encoding: raw",
+    )
+    return "\n".join((*lines, "", "")).encode()
 
 
 def mesh_faults(mesh, state: str) -> list[str]:

@@ -93,6 +93,27 @@ class PyMCubes:
         return Mesh(vertices[:, ::-1], faces)
 
 
+class Splashsurf:
+    """Its cells are cubes."""
+
+    settings = "`marching_cubes(samples, iso_surface_threshold, cube_size)`; samples converted to f32 for it"
+
+    def mesh(self, samples: np.ndarray, case: Case) -> Mesh:
+        """Coordinates come in the order of the array's axes."""
+        import pysplashsurf
+
+        refuse_origin(case)
+        step, *others = spacing(case)
+        if step <= 0 or any(other != step for other in others):
+            raise Refused("no setting for other cells than cubes")
+        found = pysplashsurf.marching_cubes(
+            np.ascontiguousarray(samples, np.float32),
+            iso_surface_threshold=case.iso,
+            cube_size=step,
+        )
+        return Mesh(np.asarray(found.vertices)[:, ::-1], np.asarray(found.triangles))
+
+
 class Libigl:
     """It takes any points, so every place can be had; samples are converted to f64 for it."""
 
@@ -142,6 +163,7 @@ PEERS = {
     "vtk contour filter": lambda: Vtk(bench_peers.Contour()),
     "scikit-image": ScikitImage,
     "PyMCubes": PyMCubes,
+    "pysplashsurf": Splashsurf,
     "libigl": Libigl,
     "meshlib": Meshlib,
 }

@@ -39,9 +39,15 @@ def parts_of(path: Path) -> list[Part]:
         if not np.array_equal(transform, np.eye(4)):
             mesh.apply_transform(transform)
         if path.suffix.lower() == ".stl":
-            mesh.merge_vertices()
+            mesh = merged(mesh)
         parts.append(Part(name=node, mesh=mesh))
     return parts
+
+
+def merged(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh with one vertex in each place, as a reader makes it that merges what is equal."""
+    places, numbers = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)
+    return trimesh.Trimesh(places, numbers.reshape(-1)[mesh.faces], process=False)
 
 
 def to_world(points: np.ndarray, path: Path, unit: str | None) -> np.ndarray:
