@@ -209,6 +209,7 @@ class Splashsurf(Peer):
     """Marching cubes in Rust, of a program for particles."""
 
     packages = ("pysplashsurf",)
+    step = 1.0
 
     def prepare(self, samples: np.ndarray, iso: float) -> None:
         """It takes floats only."""
@@ -219,7 +220,7 @@ class Splashsurf(Peer):
 
     def extract(self, normals: bool, threads: int, warm: bool) -> Mesh:
         """One thread, as its documentation says."""
-        mesh = self.function(self.samples, iso_surface_threshold=self.iso, cube_size=1.0)
+        mesh = self.function(self.samples, iso_surface_threshold=self.iso, cube_size=self.step)
         return len(mesh.vertices), len(mesh.triangles), mesh
 
     def arrays(self, made: object) -> Arrays:

@@ -99,19 +99,15 @@ class Splashsurf:
     settings = "`marching_cubes(samples, iso_surface_threshold, cube_size)`; samples converted to f32 for it"
 
     def mesh(self, samples: np.ndarray, case: Case) -> Mesh:
-        """Coordinates come in the order of the array's axes."""
-        import pysplashsurf
-
+        """Vertices and faces."""
         refuse_origin(case)
-        step, *others = spacing(case)
-        if step <= 0 or any(other != step for other in others):
+        peer = bench_peers.Splashsurf()
+        peer.step, *others = spacing(case)
+        if peer.step <= 0 or any(other != peer.step for other in others):
             raise Refused("no setting for other cells than cubes")
-        found = pysplashsurf.marching_cubes(
-            np.ascontiguousarray(samples, np.float32),
-            iso_surface_threshold=case.iso,
-            cube_size=step,
-        )
-        return Mesh(np.asarray(found.vertices)[:, ::-1], np.asarray(found.triangles))
+        peer.prepare(samples, case.iso)
+        _, _, found = peer.extract(False, 1, False)
+        return Mesh(*peer.arrays(found)[:2])
 
 
 class Libigl:

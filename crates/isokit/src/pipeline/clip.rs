@@ -8,19 +8,18 @@
 
 mod samples;
 
-use crate::pipeline::{
-    Normals, PipelineError, Scan, SurfaceOptions, error::of_slabs, sparse_meshes_into,
-};
+use crate::pipeline::{Normals, PipelineError, Scan, SurfaceOptions, error::of_slabs};
 use isokit_field::{Sampled, ScalarField};
 use isokit_geom::{
     HalfSpace,
     vector::{Vector, length},
 };
-use isokit_job::{Cancelled, Job, in_chunks};
+use isokit_job::{CHUNK, Cancelled, Job};
 use isokit_lanes::exactly;
 use isokit_marching_cubes::{Diagonals, Extracted, Placement};
 use isokit_mesh::{Positions, TriMesh, area_normals};
 use isokit_volume::{Sample, View, for_any};
+use rayon::prelude::*;
 use samples::{Clipped, Cut, cuts, steep};
 
 /// As near as vertices come to samples, in parts of an edge.
@@ -46,7 +45,7 @@ impl Scan {
         let mut meshes = [TriMesh::default()];
         let extracted = match planes {
             [] => self.meshes_into(&[iso], options, &mut meshes, job)?,
-            _ => self.clip_into(iso, planes, options, (&mut meshes, job))?,
+            _ => self.clip_into(iso, planes, options, (&mut meshes[0], job))?,
         };
         let [mesh] = meshes;
         Ok((mesh, extracted.into_iter().next().expect("one isovalue has one surface")))
@@ -58,26 +57,22 @@ impl Scan {
         iso: f64,
         planes: &[HalfSpace],
         options: &SurfaceOptions,
-        (meshes, job): (&mut [TriMesh; 1], &Job),
+        (mesh, job): (&mut TriMesh, &Job),
     ) -> Result<Vec<Extracted>, PipelineError> {
         let range = self.statistics(job)?.range.unwrap_or([iso, iso]);
         let linear = options.extract.clone().with_placement(Placement::Linear);
         let linear = linear.with_diagonals(Diagonals::Table); // vertices are still to be moved
         let options = options.clone().with_extract(linear);
-        let (extracted, cuts) = for_any!(self.volume(), volume => {
+        let extracted = for_any!(self.volume(), volume => {
             let view = self.view(volume);
             let cuts = cuts(&view.frame().index_to_world, planes);
             let known = self.known(volume, &self.part(), &[iso]);
             let clipped = Clipped { view, iso, steep: steep(&view, range), cuts: &cuts, known };
-            let extracted = match &clipped.known {
-                Some(_) => sparse_meshes_into(&clipped, &[iso], &options, meshes, job)?,
-                None => clipped.meshes_into(&options, meshes, job)
-                    .map_err(|error| of_slabs(error, &self.part()))?,
-            };
-            (extracted, cuts)
+            let extracted = clipped.mesh_into(&options, mesh, job);
+            let extracted = extracted.map_err(|error| of_slabs(error, &self.part()))?;
+            settle(mesh, &view, (iso, &cuts), job)?;
+            extracted
         });
-        let [mesh] = meshes;
-        for_any!(self.volume(), volume => settle(mesh, &self.view(volume), (iso, &cuts), job))?;
         if options.normals == Normals::Area {
             area_normals(mesh, job)?;
         }
@@ -96,40 +91,62 @@ fn settle<T: Sample>(
     let affine = view.frame().index_to_world;
     let columns = affine.covector_columns();
     let field = Sampled::new(*view);
-    let (positions, has_normals) = (&mesh.positions, mesh.normals.is_some());
-    let one = |vertex: usize| {
-        let mut ijk = affine.inverse_point(positions.get(vertex));
-        let (mut place, mut on) = (None, None);
-        if let Some((found, cut)) = leaves(view, iso, cuts, ijk) {
-            (ijk, place, on) = (found, Some(affine.point(found)), cut);
+    let one = |place: Vector, normal: Option<&mut [f32; 3]>| {
+        let ijk = affine.inverse_point(place);
+        let left = leaves(view, iso, cuts, ijk);
+        let (ijk, cut) = left.unwrap_or((ijk, None));
+        if let Some(normal) = normal {
+            let found = match cut {
+                Some(cut) => cut.normal,
+                None => {
+                    let falls = field.slope(ijk).gradient.map(|c| -c);
+                    [0, 1, 2].map(|k| (0..3).map(|axis| columns[axis][k] * falls[axis]).sum())
+                }
+            };
+            let long = length(found);
+            // Where the field has none, what the extraction found stays.
+            if long > 0.0 && long.is_finite() {
+                *normal = found.map(|c| (c / long) as f32);
+            }
         }
-        let normal = has_normals.then(|| match on {
-            Some(cut) => cut.normal,
-            None => {
-                let falls = field.slope(ijk).gradient.map(|c| -c);
-                [0, 1, 2].map(|k| (0..3).map(|axis| columns[axis][k] * falls[axis]).sum())
+        left.map(|(place, _)| affine.point(place))
+    };
+    let TriMesh { positions, normals, .. } = mesh;
+    job.progress.begin("cut", positions.len() as u64);
+    match positions {
+        Positions::F32(all) => each(all, normals, |c| c as f32, (&one, job)),
+        Positions::F64(all) => each(all, normals, |c| c, (&one, job)),
+    }
+}
+
+/// Where a vertex goes, if anywhere; its normal, if it has one, is set.
+type Move<'a> = &'a (dyn Fn(Vector, Option<&mut [f32; 3]>) -> Option<Vector> + Sync);
+
+/// Moves every vertex.
+fn each<C: Copy + Send + Into<f64>>(
+    places: &mut [[C; 3]],
+    normals: &mut Option<Vec<[f32; 3]>>,
+    round: fn(f64) -> C,
+    (one, job): (Move<'_>, &Job),
+) -> Result<(), Cancelled> {
+    let normals: Vec<_> = match normals {
+        Some(all) => all.chunks_mut(CHUNK).map(Some).collect(),
+        None => (0..places.len().div_ceil(CHUNK)).map(|_| None).collect(),
+    };
+    let chunk = |(places, mut normals): (&mut [[C; 3]], Option<&mut [[f32; 3]]>)| {
+        job.check()?;
+        exactly(|| {
+            for (n, place) in places.iter_mut().enumerate() {
+                let normal = normals.as_mut().map(|all| &mut all[n]);
+                if let Some(moved) = one(place.map(Into::into), normal) {
+                    *place = moved.map(round);
+                }
             }
         });
-        (place, normal)
+        job.progress.advance(places.len() as u64);
+        Ok(())
     };
-    job.progress.begin("cut", positions.len() as u64);
-    let chunks = in_chunks(positions.len(), job, |range| {
-        exactly(|| range.map(one).collect::<Vec<(Option<Vector>, Option<Vector>)>>())
-    })?;
-    for (vertex, (place, normal)) in chunks.into_iter().flatten().enumerate() {
-        match (&mut mesh.positions, place) {
-            (Positions::F32(all), Some(place)) => all[vertex] = place.map(|c| c as f32),
-            (Positions::F64(all), Some(place)) => all[vertex] = place,
-            (_, None) => {}
-        }
-        let (Some(normals), Some(normal)) = (&mut mesh.normals, normal) else { continue };
-        let long = length(normal);
-        // Where the field has none, what the extraction found stays.
-        if long > 0.0 && long.is_finite() {
-            normals[vertex] = normal.map(|c| (c / long) as f32);
-        }
-    }
-    Ok(())
+    job.threads.run(|| places.par_chunks_mut(CHUNK).zip(normals).try_for_each(chunk))
 }
 
 /// Where the edge of a vertex leaves the solid, and through which plane, if it is through one. None of a vertex that is on

@@ -7,7 +7,9 @@ use isokit_geom::{
 };
 use isokit_job::{Job, Stopped};
 use isokit_lanes::{Extent, exactly};
-use isokit_marching_cubes::{Budget, Extracted, SlabError, Slabs, extract_slabs};
+use isokit_marching_cubes::{
+    Budget, Extracted, Placement, SlabError, Slabs, extract_slabs, extract_sparse,
+};
 use isokit_mesh::TriMesh;
 use isokit_volume::{Bricks, Grid, Points, Sample, SampleSource, SlabSource, View};
 use rayon::prelude::*;
@@ -22,8 +24,14 @@ pub(super) struct Cut {
     pub(super) normal: Vector,
 }
 
-/// Bytes of the samples that planes cut, in f64, of which more are not held at a time; or the fewest slices that can be.
-pub(super) const WINDOW: u64 = 16 << 20;
+/// Bytes of the samples that planes cut, in f64, of which more are not held at a time, unless these are fewer slices than
+/// [`SLICES`].
+pub(super) const WINDOW: u64 = 64 << 20;
+
+/// Slices that may be held at least. Three of them are those of the window before: of few, threads make little at a time.
+const SLICES: usize = 16;
+
+const _: () = assert!(SLICES >= Placement::Linear.least_window(), "planes go with no other");
 
 pub(super) fn cuts(affine: &Affine, planes: &[HalfSpace]) -> Vec<Cut> {
     let cut = |plane: &HalfSpace| {
@@ -51,19 +59,22 @@ pub(super) struct Clipped<'a, T: Sample> {
 }
 
 impl<T: Sample> Clipped<'_, T> {
-    /// Their surface, a few slices at a time.
-    pub(super) fn meshes_into(
+    /// Their surface: near it only where that is known, or else a few slices at a time.
+    pub(super) fn mesh_into(
         &self,
         options: &SurfaceOptions,
-        meshes: &mut [TriMesh; 1],
+        mesh: &mut TriMesh,
         job: &Job,
     ) -> Result<Vec<Extracted>, SlabError<Stopped>> {
-        let [mesh] = meshes;
         options.prepare(mesh);
+        let (iso, extract) = (self.iso, &options.extract);
+        if self.known.is_some() {
+            return Ok(vec![extract_sparse(self, iso, extract, &mut mesh.refill(), job)?]);
+        }
         let slice = size_of::<f64>() as u64 * self.grid().slice_count();
-        let least = options.extract.placement.least_window();
-        let budget = Budget { window: least.max((WINDOW / slice) as usize), piece_bytes: u64::MAX };
-        let slabs = Slabs { isos: &[self.iso], options: &options.extract, budget };
+        let window = SLICES.max((WINDOW / slice) as usize);
+        let budget = Budget { window, piece_bytes: u64::MAX };
+        let slabs = Slabs { isos: &[iso], options: extract, budget };
         extract_slabs(&mut self.slices(job), &slabs, &mut vec![mesh.refill()], job)
     }
 
