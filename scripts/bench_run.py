@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from kit import bench_limits, bench_machine, bench_output, bench_rows, bench_slabs
+from kit import bench_commands, bench_limits, bench_machine, bench_output, bench_rows
 from kit.bench_measure import Bench
 from kit.bench_volumes import Store
 from kit.program import PROJECT
@@ -30,8 +30,9 @@ ROWS = {
     "index": bench_limits.index,
     "bound": bench_limits.bound,
     "memory": bench_limits.memory,
-    "command": bench_rows.command,
-    "slabs": bench_slabs.slabs,
+    "command": bench_commands.command,
+    "slabs": bench_commands.slabs,
+    "again": bench_commands.again,
     "growth": bench_limits.growth,
     "peers": bench_rows.peers,
 }

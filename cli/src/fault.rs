@@ -246,9 +246,8 @@ fn of_read(fault: &ReadFault) -> Fault {
 fn of_write(fault: &WriteFault) -> Fault {
     match fault {
         WriteFault::Io(error) => of_system(error),
-        WriteFault::TooLarge { .. } => {
-            Fault::Caller("choose another format, or take a part with --roi")
-        }
+        // What the format is short of, and what to do about that, it says itself.
+        WriteFault::TooLarge { .. } => Fault::Caller("do so, or take a part with --roi"),
         WriteFault::Caller(_) => Fault::Caller("choose another name or format for the output"),
         WriteFault::OverLimit(_) => Fault::System("it has not so much memory"),
         WriteFault::Cancelled(_) => Fault::Interrupted,
@@ -283,7 +282,7 @@ mod tests {
     use super::{Fault, UsageError};
     use anyhow::{Context, Error};
     use isokit::{
-        io::{ReadFault, WriteFault},
+        io::{Format, ReadFault, WriteFault},
         job::{Cancelled, OverLimit},
         marching_cubes::ExtractError,
         pipeline::PipelineError,
@@ -317,6 +316,18 @@ mod tests {
         let iso = of(ExtractError::Iso(f64::NAN));
         assert_eq!(iso.whose(), "the caller's fault");
         assert!(iso.advice().contains("another isovalue"));
+    }
+
+    #[test]
+    fn a_format_that_is_too_small_says_itself_what_to_do() {
+        let remedy = "write .ply";
+        let (what, needed, limit) = ("triangles", 1 << 32, u32::MAX.into());
+        let fault = WriteFault::TooLarge { format: Format::Stl, what, needed, limit, remedy };
+        let error = Error::from(PipelineError::from(fault.at("a.stl")));
+        assert!(error.to_string().ends_with("; write .ply"), "{error}");
+        let fault = Fault::of(&error);
+        assert_eq!(fault.whose(), "the caller's fault");
+        assert_eq!(fault.advice(), "do so, or take a part with --roi");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 Standard library only.
 """
 
-from statistics import linear_regression
+from statistics import linear_regression, median
 
 from kit.bench_measure import Bench, Entry, Series, extract, milliseconds
 from kit.bench_volumes import Store, Volume
@@ -214,17 +214,18 @@ def growth(bench: Bench, store: Store, full: bool = False) -> None:
                 ]
             )
         pairs = [(one, volume) for one, volume in zip(done, volumes, strict=True) if one]
-        per_sample = [1e9 * one.median / volume.count for one, volume in pairs]
-        if len(per_sample) < 2:
+        if len(pairs) < 2:
             continue
+        each = [[1e9 * s / volume.count for s in one.seconds] for one, volume in pairs]
         listed = ", ".join(
-            f"{volume.dims[0]}³ {time:.3f}"
-            for (_, volume), time in zip(pairs, per_sample, strict=True)
+            f"{volume.dims[0]}³ {median(times):.3f}"
+            for (_, volume), times in zip(pairs, each, strict=True)
         )
+        most, least = max(each, key=median), min(each, key=median)
         bench.add(
-            [max(per_sample) / min(per_sample)],
-            f"{max(per_sample):.3f} ns per sample",
-            f"{min(per_sample):.3f}",
+            [a / b for a, b in zip(most, least, strict=False)],
+            f"{median(most):.3f} ns per sample",
+            f"{median(least):.3f}",
             row="growth",
             work=f"{name}, normals, warm, 1 thread: most by least time per sample",
             at_least=False,

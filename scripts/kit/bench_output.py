@@ -24,6 +24,7 @@ SECTIONS = {
     "bound": "Against the bound",
     "memory": "Memory",
     "slabs": "Slice by slice",
+    "again": "Whole command again, with an index",
     "growth": "Growth",
     "peers": "All peers",
 }
@@ -33,7 +34,7 @@ Unless a line says otherwise: `--topology table --placement linear --degenerate 
 `--boundary open`, f32 positions, unit normals, u32 indices. Contenders are processes that live as
 long as a row and take turns, A B C A B C; a first round is not counted. Times are medians, in
 parentheses the middle half. A ratio is the median of the rounds' ratios. Reading the volume is not
-timed, except in *Whole command*, where all programs use all cores. Memory is a peak, of three runs.
+timed, except where commands are: there all programs use all cores. Memory is a peak, of three runs.
 
 *Cold*: the output's memory is allocated within the time, and what was freed before went back to the
 system: isokit and Rust peers run with `MALLOC_MMAP_THRESHOLD_` and `MALLOC_TRIM_THRESHOLD_` at

@@ -1,16 +1,11 @@
 """The rows that compare isokit with other programs. Standard library only."""
 
-import sys
 from collections.abc import Iterator
-from contextlib import suppress
-from pathlib import Path
 from statistics import median
 
 from kit.bench_measure import RUST_PEERS, Bench, Entry, Series, extract
 from kit.bench_peers import PEERS
 from kit.bench_volumes import Absent, Store, Volume
-from kit.bench_worker import Failed, command_seconds
-from kit.program import PROJECT
 
 EDGES = "vtk Flying Edges"
 THREADS = (1, 2)
@@ -220,51 +215,6 @@ def peer_line(volume: Volume, theirs: Series) -> dict[str, str]:
         f"{count} thread{'s' * (count > 1)}, vs {theirs.who}",
         "remark": "; ".join(filter(None, (made, note))),
     }
-
-
-def command(bench: Bench, store: Store) -> None:
-    """From file to file, the start of the programs included."""
-    volume = store.data / "nifti/mni152_t1_1mm.nii.gz"
-    if not volume.exists():
-        bench.skip("command", Absent("there is no nifti/mni152_t1_1mm.nii.gz in the data folder"))
-        return
-    if EDGES in bench.absent:
-        bench.skip("command", bench.absent[EDGES])
-        return
-    out = store.folder / "x.ply"
-    program = PROJECT / "target/release/isokit"
-    ours = [program, "extract", volume, "--iso", "90", "-o", out, "-q"]
-    alike = ["--topology", "table", "--placement", "linear", "--degenerate", "never"]
-    commands: dict[str, list[str | Path]] = {
-        "like Flying Edges": [*ours, *alike, "--boundary", "open"],
-        "defaults": ours,
-        "vtk": [sys.executable, PROJECT / "scripts/bench_vtk.py", volume, "90", out],
-    }
-    taken = {name: Series(name, volume.name, {"op": "command"}) for name in commands}
-    for round_ in range(bench.rounds + 1):
-        for name, words in commands.items():
-            out.unlink(missing_ok=True)
-            try:
-                seconds = command_seconds(words)
-            except Failed as failure:
-                bench.skip(f"command, {name}", failure)
-                bench.failed |= name != "vtk"
-                return
-            if round_ > 0:  # the first reads programs and file from disk
-                taken[name].answers.append({"seconds": seconds})
-    with suppress(FileNotFoundError):
-        out.unlink()
-    bench.series += taken.values()
-    for name, wanted in (("like Flying Edges", {"must": 3.0, "aim": 5.0}), ("defaults", {})):
-        bench.compare(
-            taken[name],
-            taken["vtk"],
-            row="command",
-            work=f"extract mni152_t1_1mm.nii.gz --iso 90 -o x.ply, {name}, "
-            "vs VTK's reader, Flying Edges and writer",
-            at_least=True,
-            **wanted,
-        )
 
 
 def counts(ours: Series | None, theirs: Series | None) -> str:

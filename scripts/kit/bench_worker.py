@@ -93,13 +93,3 @@ class Worker:
         lines = self.log.read().decode(errors="replace").strip().splitlines()
         how = f"ended by signal {-code}" if code < 0 else f"ended with exit {code}"
         return f"{how}: {lines[-1][-200:]}" if lines else how
-
-
-def command_seconds(command: list[str | Path]) -> float:
-    """Wall time of a whole command; raises `Failed` if it fails."""
-    start = time.perf_counter()
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
-    seconds = time.perf_counter() - start
-    if done.returncode != 0:
-        raise Failed(f"exit {done.returncode}: {done.stderr.strip()[-200:]}")
-    return seconds

@@ -1,11 +1,14 @@
 //! Values on which extractors break: items 1 to 12 and 25 of the list.
 
-use crate::{check, made, mesh, options, sampled};
+use crate::{bits, check, made, mesh, options, sampled};
 use isokit::{
     marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan},
-    volume::Volume,
+    volume::{Sample, Volume},
 };
-use isokit_tests::{chance::Chance, fields, oracle::assert_as_defined, reference::Surface};
+use isokit_tests::{
+    chance::Chance, fields, modes::modes, oracle::assert_as_defined, reference::Surface,
+};
+use std::fmt::Debug;
 
 #[test]
 fn samples_all_on_the_isovalue_are_a_box_closed_and_nothing_open() {
@@ -34,6 +37,41 @@ fn a_checkerboard_cuts_every_edge() {
     let open = mesh(&board, 0.0, &ExtractOptions::DEFAULT.with_boundary(Boundary::Open));
     assert_eq!(open.positions.len() as u64, 3 * points * points * (points - 1));
     assert_eq!(open.triangles.len() as u64, 4 * (points - 1).pow(3));
+}
+
+/// Everything that must hold, of the same small whole numbers in another type; and the same bytes.
+#[track_caller]
+fn check_in<T: Sample + TryFrom<i8, Error: Debug>>(numbers: &Volume<i8>, iso: f64) {
+    let samples = numbers.samples().iter().map(|&number| T::try_from(number).unwrap());
+    let volume = Volume::new(*numbers.grid(), samples.collect()).unwrap();
+    check(&volume, iso);
+    for options in modes() {
+        let [expected, found] = [mesh(numbers, iso, &options), mesh(&volume, iso, &options)];
+        assert!(bits(&found) == bits(&expected), "{:?}, {options:?}", T::DTYPE);
+    }
+}
+
+#[test]
+fn the_same_numbers_in_any_type_are_the_same_bytes() {
+    let mut chance = Chance::new(7);
+    let volumes: [(Volume<i8>, &[f64]); 4] = [
+        (made([3, 4, 5], |_| 7), &[7.0]),
+        (made([5; 3], |[i, j, k]| (i + j + k) as i8 % 2), &[1.0]),
+        (made([7; 3], |_| chance.below(7) as i8), &[2.0, 2.5]),
+        (made([9, 8, 7], |_| chance.below(128) as i8), &[64.0]),
+    ];
+    for (volume, isos) in &volumes {
+        for &iso in *isos {
+            check(volume, iso);
+            check_in::<u8>(volume, iso);
+            check_in::<i16>(volume, iso);
+            check_in::<u16>(volume, iso);
+            check_in::<i32>(volume, iso);
+            check_in::<u32>(volume, iso);
+            check_in::<f32>(volume, iso);
+            check_in::<f64>(volume, iso);
+        }
+    }
 }
 
 /// The thousands are in `tests/ties.rs`.

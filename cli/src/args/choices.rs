@@ -27,7 +27,8 @@ pub(crate) enum BoundaryArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TopologyArg {
-    /// What the trilinear interpolant of a cell's samples connects, decided without rounding: always closed
+    /// What the trilinear interpolant of a cell's samples connects, decided without rounding: always closed; two sheets
+    /// within a cell may still cut through each other
     #[default]
     Trilinear,
     /// One fixed answer per case: always closed; may separate what the field joins
@@ -38,9 +39,9 @@ pub(crate) enum TopologyArg {
 pub(crate) enum PlacementArg {
     /// Where the straight line between two samples has the value: error O(h^2)
     Linear,
-    /// Where the cubic through the four nearest samples in line has it: O(h^4)
+    /// Where the cubic through the four nearest samples in line has it: O(h^4); rougher in noise
     Cubic,
-    /// The same with six samples: O(h^6)
+    /// The same with six samples: O(h^6); rougher in noise
     #[default]
     Quintic,
 }
@@ -50,7 +51,8 @@ pub(crate) enum DiagonalsArg {
     /// The same way in all cells of a case
     #[default]
     Table,
-    /// Along the surface, by the normals of their vertices: as many triangles, nearer to that of a smooth field
+    /// Along the surface, by the normals of their vertices: as many triangles, nearer to that of a smooth field, not
+    /// of noise
     Fitted,
 }
 
@@ -69,7 +71,7 @@ pub(crate) enum NormalsArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DegenerateArg {
-    /// Vertices keep 2^-10 of an edge from samples, so that every triangle has an area
+    /// Vertices keep 2^-10 of an edge from samples, so that every triangle has an area, if a thin one
     #[default]
     Never,
     /// Vertices lie where interpolation puts them; samples equal to the isovalue give triangles

@@ -63,11 +63,32 @@ fn an_error_in_millimetres_is_reached_and_told() {
     assert!(error(&fine) < error(&coarse));
 }
 
-#[test]
-fn of_noise_it_is_told_how_much_has_no_bound() {
+/// A folder with a volume of noise.
+fn with_noise() -> Folder {
     let folder = Folder::new();
     let noise = |[x, y, z]: [usize; 3]| ((x * 7919 + y * 104_729 + z * 1_299_709) % 251) as f32;
     folder.volume("noise.nii", Space::Ras, noise);
+    folder
+}
+
+#[test]
+fn of_noise_it_is_told_which_vertices_could_not_be_balanced() {
+    let folder = with_noise();
+    let ran = folder.done("extract noise.nii --iso 125 --balance -v -o a.ply --report r.json");
+    let surface = folder.json("r.json")["surfaces"][0].clone();
+    let counted = |what: &str| surface["refined"][what].as_u64().unwrap();
+    let [moved, kept] = ["balanced_vertices", "unbalanced_vertices"].map(counted);
+    assert!(kept > 0, "{surface}");
+    assert!(moved + kept <= surface["vertices"].as_u64().unwrap(), "{surface}");
+    let said = ran.err.lines().find(|line| line.contains("could not be")).unwrap_or_default();
+    let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
+    assert!(digits(said).ends_with(&format!("{moved}{kept}")), "{said}");
+    folder.done("check a.ply");
+}
+
+#[test]
+fn of_noise_it_is_told_how_much_has_no_bound() {
+    let folder = with_noise();
     let line = "extract noise.nii --iso 125 --max-error 0.5 -o a.ply --report r.json";
     let ran = folder.done(line);
     let unbounded = folder.json("r.json")["surfaces"][0]["refined"]["unbounded_triangles"].clone();

@@ -152,7 +152,7 @@ impl<T: Sample> Fill<'_, T> {
             provide(triangles);
             room.provide();
             exactly(|| {
-                let layers = slices.len() as u64;
+                let layers = self.planes.lattice.sampled(&slices);
                 self.bands(slices, &mut room, &mut triangles, scratch);
                 job.progress.advance(layers);
             });

@@ -96,7 +96,7 @@ impl Layout {
                 let found = (&mut special, &mut scratch);
                 exactly(|| counting.slice((z, done[z]), slice, values, found));
                 let special = special.shrunk();
-                job.progress.advance(1);
+                job.progress.advance(lattice.sampled(&(z..z + 1)));
                 (counts_of(slice, &special), special)
             });
             Ok(counts.collect::<Vec<_>>())

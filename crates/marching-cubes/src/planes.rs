@@ -46,6 +46,13 @@ impl Lattice {
         (self.points[1] as u64).checked_mul(self.points[2] as u64)
     }
 
+    /// How many of some slices have samples: those beyond the border have none.
+    pub(crate) fn sampled(&self, slices: &Range<usize>) -> u64 {
+        let own = self.guard..self.points[2] - self.guard;
+        let [start, end] = [slices.start, slices.end].map(|z| z.clamp(own.start, own.end));
+        (end - start) as u64
+    }
+
     /// Words of a slice.
     pub(crate) fn slice_words(&self) -> usize {
         self.words * self.points[1]

@@ -71,7 +71,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
     let precision = exactly(|| precision(&grid, slabs.options))?;
     let making = Making { slabs, precision, job };
     let mut window = Window::new(&*source, slabs, job).map_err(ExtractError::from)?;
-    let passes = (1 + passes(slabs.options)) * surfaces.len() as u64;
+    let passes = 1 + passes(slabs.options) * surfaces.len() as u64;
     job.progress.begin("extract", passes.saturating_mul(grid.dims()[2]));
     while !window.is_last() {
         window.advance(source, job).map_err(SlabError::Source)?;
@@ -85,6 +85,7 @@ pub fn extract_slabs<T: Sample, R: SlabSource<T>, S: MeshSinks<Error: Send> + Se
         let known = bricks.as_ref().and_then(|bricks| Source::with_bricks(&view, bricks));
         let known = known.unwrap_or(Source::from(&view));
         let mut planes = on_threads(job, || making.planes(&known))?;
+        job.progress.advance(window.new_slices());
         for (n, (surface, planes)) in surfaces.iter_mut().zip(&mut planes).enumerate() {
             let mut sink = sinks.sink(n);
             let held = window.held(planes.lattice);
@@ -171,7 +172,8 @@ impl Making<'_> {
         let Slabs { isos, options, .. } = self.slabs;
         let nan = if options.nan == Nan::Mask { Nan::Mask } else { Nan::Outside };
         let lattice = Lattice::new(source.view.dims(), options.boundary);
-        Ok(Planes::classify(source, lattice, isos, nan, self.job)?.0)
+        // Slices that were held before are gone through again.
+        Ok(Planes::classify(source, lattice, isos, nan, &self.job.unwatched())?.0)
     }
 
     /// The part of a surface that belongs to the slices of a window.
@@ -184,6 +186,7 @@ impl Making<'_> {
     ) -> Result<(), ExtractError<S::Error>> {
         let (view, lattice, job) = (held.view, planes.lattice, self.job);
         if planes.is_empty() || !lattice.has_cells() {
+            job.progress.advance(2 * lattice.sampled(&held.own)); // neither counted nor filled
             return Ok(());
         }
         let part = Part { slices: held.own.clone(), before: surface.counts };
@@ -215,14 +218,16 @@ impl Making<'_> {
             let next = self.piece(&layout, &slices, sink.wants_normals())?;
             let counts = between(&layout, &next);
             slices.start = next.end;
-            if counts != Counts::default() {
-                surface.is_begun = true;
-                let bytes = surface_bytes(counts, self.precision.0, (sink, cases));
-                job.limits.probe("surface", bytes, 1)?;
-                let piece = sink.piece(counts, self.precision.0).map_err(ExtractError::Sink)?;
-                let layers = self.layers_per_task(&next);
-                fill.piece(next, piece, layers, job)?;
+            if counts == Counts::default() {
+                job.progress.advance(lattice.sampled(&next));
+                continue;
             }
+            surface.is_begun = true;
+            let bytes = surface_bytes(counts, self.precision.0, (sink, cases));
+            job.limits.probe("surface", bytes, 1)?;
+            let piece = sink.piece(counts, self.precision.0).map_err(ExtractError::Sink)?;
+            let layers = self.layers_per_task(&next);
+            fill.piece(next, piece, layers, job)?;
         }
         Ok(())
     }

@@ -355,25 +355,6 @@ fn who_cancels_while_diagonals_are_fitted_or_has_no_memory_for_them_is_heard() {
 }
 
 #[test]
-fn progress_tells_of_the_fitting_too() {
-    // Triangles for several tasks.
-    let volume = volume([50, 40, 45], frames()[0], waves);
-    let options = FITTED.with_boundary(Boundary::Open);
-    for isos in [&[0.1][..], &[0.1, -0.3]] {
-        for used in [false, true] {
-            let mut meshes = vec![TriMesh::with_normals(); isos.len()];
-            let job = Job::default();
-            for _ in 0..1 + usize::from(used) {
-                let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
-                extract_many(&volume.view(), isos, &options, &mut sinks, &job).unwrap();
-            }
-            let now = job.progress.snapshot();
-            assert_eq!((now.phase, now.done), ("extract", now.total), "{isos:?}, {used}");
-        }
-    }
-}
-
-#[test]
 fn a_surface_that_is_handed_on_or_has_no_normals_is_refused_before_it_is_made() {
     let volume = volume([9, 8, 7], frames()[0], waves);
     let (view, job) = (volume.view(), Job::default());

@@ -14,6 +14,7 @@ use std::{collections::BTreeMap, num::NonZeroUsize};
 mod bricks;
 mod many;
 mod placement;
+mod progress;
 
 type Point = [i64; 3];
 

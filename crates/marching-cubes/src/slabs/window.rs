@@ -96,6 +96,11 @@ impl<T: Sample> Window<T> {
         Ok(())
     }
 
+    /// How many slices have just come.
+    pub(super) fn new_slices(&self) -> u64 {
+        self.new.end - self.new.start
+    }
+
     /// Where a slice begins among the samples.
     fn place(&self, slice: u64) -> usize {
         (slice - self.held.start) as usize * self.slice
