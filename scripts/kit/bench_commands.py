@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -23,13 +24,23 @@ PIECE = 1 << 24
 def measured(command: list[str | Path]) -> dict:
     """Wall time and peak memory of a whole command; raises `Failed` if it fails."""
     start = time.perf_counter()
-    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    seconds = time.perf_counter() - start
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise Failed(f"exit {process.returncode}")
+    with tempfile.TemporaryFile() as log:
+        process = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=log)
+        _, status, usage = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - start
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            log.seek(0)
+            said = log.read().decode(errors="replace").strip()[-200:]
+            raise Failed(f"exit {process.returncode}: {said}")
     return {"seconds": seconds, "rss": usage.ru_maxrss * 1024}
+
+
+def warm(path: Path) -> None:
+    """Reads a file once, so that later readers find it in memory."""
+    with path.open("rb", buffering=0) as file:
+        while file.read(PIECE):
+            pass
 
 
 def in_turn(
@@ -54,11 +65,8 @@ def in_turn(
 
 
 def extract_raw(volume: Volume, out: Path, *more: str) -> list[str | Path]:
-    """The command that extracts a volume of the store, and a look that has its file in the page cache."""
+    """The command that extracts a volume of the store."""
     assert volume.path is not None
-    with volume.path.open("rb", buffering=0) as file:
-        while file.read(PIECE):
-            pass
     words = [ISOKIT, "extract", volume.path, "-q", "-o", out, "--iso", volume.iso]
     words += ["--dims", ",".join(map(str, volume.dims)), "--dtype", volume.dtype]
     return [*words, *TABLE, *more]
@@ -101,6 +109,7 @@ def slabs(bench: Bench, store: Store) -> None:
     volume = store.shell(dims)
     out = store.folder / "slabs.ply"
     words = extract_raw(volume, out)
+    warm(volume.path)
     commands = {"slabs": [*words, "--max-memory", f"{limit}MiB"], "whole": words}
     taken = in_turn(bench, "slabs", volume.name, commands, out)
     if taken is None:
@@ -136,6 +145,7 @@ def again(bench: Bench, store: Store) -> None:
     volume = replace(store.sphere(n), iso=0.3 * n)
     out = store.folder / "again.ply"
     words = extract_raw(volume, out)
+    warm(volume.path)
     commands = {
         "whole": words,
         "index": [*words, "--index"],  # the round that is not counted makes it

@@ -223,7 +223,7 @@ def growth(bench: Bench, store: Store, full: bool = False) -> None:
         )
         most, least = max(each, key=median), min(each, key=median)
         bench.add(
-            [a / b for a, b in zip(most, least, strict=False)],
+            [a / b for a, b in zip(most, least, strict=True)],
             f"{median(most):.3f} ns per sample",
             f"{median(least):.3f}",
             row="growth",

@@ -135,6 +135,9 @@ pub fn extract_many<'a, T: Sample, S: MeshSink<Error: Send> + Send>(
             let singular_cells = layout.as_ref().map_or(0, Layout::singular_cells);
             job.limits.probe("surface", surface_bytes(counts, precision, (sink, cases)), 1)?;
             let piece = sink.piece(counts, precision).map_err(ExtractError::Sink)?;
+            // What the sweep filled; of an empty surface, all.
+            let before = if layout.is_some() { filled } else { planes.lattice.points[2] };
+            job.progress.advance(planes.lattice.sampled(&(0..before)));
             if let Some(layout) = &layout {
                 let placer = Placer::new(*view, iso, margin, 0.0).with_options(options);
                 let winding = Winding::of(view.frame());
@@ -327,6 +330,7 @@ fn layout<T: Sample, E: Send>(
     job: &Job,
 ) -> Result<Option<Layout>, ExtractError<E>> {
     if planes.is_empty() || !planes.lattice.has_cells() {
+        job.progress.advance(planes.lattice.sampled(&(0..planes.lattice.points[2])));
         return Ok(None);
     }
     let values = (options.topology == Topology::Trilinear).then_some(values);

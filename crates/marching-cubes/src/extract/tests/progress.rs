@@ -1,6 +1,8 @@
 //! How far an extraction says that it is.
 
-use crate::{Boundary, Budget, Diagonals, ExtractOptions, Slabs, extract_many, extract_slabs};
+use crate::{
+    Boundary, Budget, Diagonals, ExtractOptions, Slabs, extract, extract_many, extract_slabs,
+};
 use isokit_geom::Frame;
 use isokit_job::Job;
 use isokit_mesh::TriMesh;
@@ -26,8 +28,12 @@ fn assert_over(job: &Job, phase: &str, how: &str) {
 #[track_caller]
 fn check(isos: &[f64], options: &ExtractOptions) {
     let (volume, job) = (waves(), Job::default());
+    // The first has memory that does not suffice: a sweep fills a part of it.
+    let smaller = extract(&volume.view(), 1.4, options, &Job::default()).unwrap();
+    assert!(!smaller.triangles.is_empty());
     let mut meshes = vec![TriMesh::with_normals(); isos.len()];
-    for memory in ["new", "used"] {
+    meshes[0] = smaller;
+    for memory in ["little", "used"] {
         let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         extract_many(&volume.view(), isos, options, &mut sinks, &job).unwrap();
         assert_over(&job, "extract", &format!("{memory} memory, {isos:?}, {options:?}"));
@@ -45,6 +51,8 @@ fn progress_ends_where_it_was_said_to() {
             let options = ExtractOptions::DEFAULT.with_boundary(boundary).with_diagonals(diagonals);
             check(&[0.1], &options);
             check(&[0.1, -0.3], &options);
+            check(&[9.0], &options); // nowhere
+            check(&[0.1, 9.0], &options);
         }
     }
 }
