@@ -19,6 +19,7 @@ Examples:
   isokit extract ct.nii.gz --iso 300 --refine 1 --balance -o smooth.ply
   isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 -o half.stl
   isokit extract ct.nii.gz --iso -300:skin --iso 300:bone --clip 1,0,0,12.5:skin -o open.glb
+  isokit extract ct.nii.gz --iso 150 --mask organs.nii.gz --mask-values 3,4 -o vessels.stl
   isokit extract ct.nii.gz --iso 300 --clip 1,0,0,12.5 --attribute ct.nii.gz -o slice.glb
   isokit extract t1.nii.gz --iso 80 --attribute pet.nii.gz --colormap magma -o hot.glb
   isokit extract large.nrrd --iso 300 --max-memory 2GiB -o large.ply
@@ -95,14 +96,25 @@ pub(crate) struct ExtractArgs {
     #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
     #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
     pub(crate) clip: Vec<ClipArg>,
+    /// Keep only what lies where another volume, such as a segmentation, has one of --mask-values at its nearest sample,
+    /// and close the holes. It may have any lattice in the same world; beyond it nothing is kept. Vertices and diagonals
+    /// are as with --clip
+    #[arg(long, value_name = "VOLUME")]
+    #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
+    #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
+    pub(crate) mask: Option<PathBuf>,
+    /// The values that keep something, as the labels of organs [default: all but 0]
+    #[arg(long, value_name = "V,V...", value_parser = values::finite, value_delimiter = ',')]
+    #[arg(allow_hyphen_values = true, requires = "mask", help_heading = "Part and place")]
+    pub(crate) mask_values: Vec<f64>,
     /// Axes of the world to write coordinates in
     #[arg(long, value_enum, default_value_t, help_heading = "Part and place")]
     pub(crate) space: SpaceArg,
     #[command(flatten)]
     pub(crate) color: ColorArgs,
-    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface; with
-    /// --max-memory, do not even read it. Made when it is first asked for or the volume has changed, always of all
-    /// of the volume; the mesh does not depend on it
+    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface; once it is kept,
+    /// rows far from the surfaces are not even read, where they are most of a volume or with --max-memory. Made when
+    /// it is first asked for or the volume has changed, always of all of the volume; the mesh does not depend on it
     #[arg(long, conflicts_with = "quantity", help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is

@@ -41,6 +41,12 @@ pub(crate) fn spacing(text: &str) -> Result<Triple<f64>, String> {
         .ok_or_else(|| format!("expected one distance above 0, or three x,y,z, found {text:?}"))
 }
 
+/// A number, such as a label.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("expected a number, found {text:?}"))
+}
+
 /// A filter by its name in the field.
 pub(crate) fn filter(text: &str) -> Result<Filter, String> {
     let refusal = || {

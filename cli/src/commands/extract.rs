@@ -2,6 +2,8 @@
 
 mod attribute;
 mod color;
+mod cut;
+mod near;
 mod scene;
 mod shape;
 
@@ -22,7 +24,7 @@ use isokit::{
     lanes::return_freed_memory,
     marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
-    pipeline::{Index, IsoChoice, PipelineError, Region, Scan, ScanFile, SurfaceOptions},
+    pipeline::{Index, IsoChoice, PipelineError, Region, Remark, Scan, ScanFile},
     refine::{Refined, Subdivision},
 };
 use std::time::Instant;
@@ -50,6 +52,9 @@ fn read(plan: &ExtractPlan, session: &Session<'_, '_>) -> Result<Scan, PipelineE
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), Timings::default());
+    if let Some(near) = near::open(plan, &mut timings, session)? {
+        return near::extract(plan, near, (start, timings), session);
+    }
     let attribute = attribute::open(&plan.color, plan.target.format, session)?;
     let mut scan = timed(&mut timings.read, || read(plan, session))?;
     scan.notes().iter().for_each(|note| session.console.note(note));
@@ -64,8 +69,11 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     let colors = timed(&mut timings.mend, || {
         color::color((&plan.color, attribute), &scan, &mut surfaces, session)
     })?;
-    for ((surface, extracted), refined) in surfaces.iter().zip(&extracted).zip(&refined) {
-        tell(plan, &scan, (surface, extracted), session)?;
+    for (((surface, extracted), refined), &iso) in
+        surfaces.iter().zip(&extracted).zip(&refined).zip(&isos)
+    {
+        let remark = scan.remark(iso, extracted.counts, &plan.surface, &session.job)?;
+        tell(plan, surface, remark, session);
         tell_singular(extracted, &surface.name, session);
         tell_refined(plan, refined, &surface.name, session);
     }
@@ -152,8 +160,11 @@ fn meshes(
     session: &Session<'_, '_>,
 ) -> Result<(Vec<TriMesh>, Vec<Extracted>)> {
     let surface = plan.surface.before(&plan.refine);
-    if !plan.clips.is_empty() {
-        let made = timed(&mut timings.extract, || cut(plan, scan, (isos, &surface), session));
+    if plan.cuts() {
+        let mask = timed(&mut timings.read, || cut::mask(plan, scan, session))?;
+        let made = timed(&mut timings.extract, || {
+            cut::meshes(plan, scan, (isos, mask.as_ref(), &surface), session)
+        });
         return Ok(made?.into_iter().unzip());
     }
     let make = |meshes: &mut [TriMesh]| scan.meshes_into(isos, &surface, meshes, &session.job);
@@ -179,20 +190,6 @@ fn meshes(
     timings.extract = median(&all);
     timings.extract_all = (plan.repeat != Repeat::Once).then_some(all);
     Ok((meshes, extracted))
-}
-
-/// A mesh for each isovalue, of what planes keep of it.
-fn cut(
-    plan: &ExtractPlan,
-    scan: &Scan,
-    (isos, options): (&[f64], &SurfaceOptions),
-    session: &Session<'_, '_>,
-) -> Result<Vec<(TriMesh, Extracted)>, PipelineError> {
-    let cut = |(level, &iso): (&LevelPlan, &f64)| {
-        let halves = plan.halves_of(&level.name(iso));
-        scan.clipped_mesh(iso, &halves, options, &session.job)
-    };
-    plan.levels.iter().zip(isos).map(cut).collect()
 }
 
 /// The meshes with what files say of them.
@@ -255,17 +252,16 @@ fn tell_counts(surface: &Surface, session: &Session<'_, '_>) {
 }
 
 /// The same, and what is peculiar about it.
-fn tell(
-    plan: &ExtractPlan,
-    scan: &Scan,
-    (surface, extracted): (&Surface, &Extracted),
-    session: &Session<'_, '_>,
-) -> Result<()> {
+fn tell(plan: &ExtractPlan, surface: &Surface, remark: Option<Remark>, session: &Session<'_, '_>) {
     tell_counts(surface, session);
-    let iso = surface.iso.unwrap_or(f64::NAN);
-    let remark = scan.remark(iso, extracted.counts, &plan.surface, &session.job)?;
-    remark.iter().for_each(|remark| session.console.warn(&remark.to_string()));
-    Ok(())
+    let says = match remark {
+        Some(Remark::Empty) if plan.cuts() => {
+            format!("{}: what is kept of the volume holds nothing of it", surface.name)
+        }
+        Some(remark) => remark.to_string(),
+        None => return,
+    };
+    session.console.warn(&says);
 }
 
 fn write(

@@ -28,6 +28,8 @@ pub(crate) struct ExtractPlan {
     pub(crate) space: TargetSpace,
     pub(crate) levels: Vec<LevelPlan>,
     pub(crate) clips: Vec<ClipArg>,
+    /// The volume that keeps a part of all surfaces, and by which of its values; by all but 0, if there are none.
+    pub(crate) mask: Option<(PathBuf, Vec<f64>)>,
     pub(crate) surface: SurfaceOptions,
     /// What is done with surfaces after that.
     pub(crate) refine: RefineOptions,
@@ -126,6 +128,7 @@ impl ExtractPlan {
             space: args.space.into(),
             levels: levels(args.iso),
             clips: args.clip,
+            mask: args.mask.map(|path| (path, args.mask_values)),
             surface,
             refine,
             color,
@@ -159,7 +162,12 @@ impl ExtractPlan {
         }
     }
 
-    /// What is kept of a surface.
+    /// Whether something is cut away.
+    pub(crate) fn cuts(&self) -> bool {
+        !self.clips.is_empty() || self.mask.is_some()
+    }
+
+    /// What planes keep of a surface.
     pub(crate) fn halves_of(&self, name: &str) -> Vec<HalfSpace> {
         let cuts = |clip: &&ClipArg| {
             clip.surfaces.as_ref().is_none_or(|names| names.iter().any(|cut| cut == name))
@@ -173,6 +181,9 @@ impl ExtractPlan {
         let mut places = Places::of_input(&self.input);
         if let Some((path, _)) = &self.color.attribute {
             places.read("--attribute", path);
+        }
+        if let Some((path, _)) = &self.mask {
+            places.read("--mask", path);
         }
         if self.index {
             places.add("--index", &self.index_file())?;
@@ -221,6 +232,7 @@ fn shape(args: &ExtractArgs) -> Result<[f64; 3], UsageError> {
     let needs_volume = [
         ("--roi", args.roi.is_some() || args.roi_mm.is_some()),
         ("--clip", !args.clip.is_empty()),
+        ("--mask", args.mask.is_some()),
         ("--space", args.space != SpaceArg::Source),
         ("--attribute", args.color.attribute.is_some()),
         ("--index", args.index),
@@ -274,6 +286,7 @@ fn check_scene(args: &ExtractArgs) -> Result<(), UsageError> {
         () if args.color.attribute.is_some() || args.color.texture.is_some() => {
             "--dump-scene: a scene has no colours of vertices: leave out --attribute and --texture"
         }
+        () if args.mask.is_some() => "--dump-scene: a scene has no mask: leave out --mask",
         () if (!args.clip.is_empty() || args.roi_mm.is_some())
             && args.space != SpaceArg::Source =>
         {

@@ -11,7 +11,7 @@ pub(crate) struct Timings {
     /// Reading the index of the volume, or making and keeping it.
     pub(crate) index: f64,
     /// From the volume in memory to indexed meshes with normals in memory, allocation included; of
-    /// several runs the median.
+    /// several runs the median. Where only rows near the surfaces are read, and slice by slice, that is in it.
     pub(crate) extract: f64,
     /// Changing meshes after they were made: dividing, balancing and colouring them.
     pub(crate) mend: f64,

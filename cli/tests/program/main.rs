@@ -12,6 +12,7 @@ mod index;
 mod info;
 mod kit;
 mod looks;
+mod mask;
 mod paint;
 mod part;
 mod places;

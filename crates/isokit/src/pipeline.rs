@@ -10,7 +10,7 @@
 //! | skip | [`Scan::index`] finds out which parts surfaces have nothing to do with |
 //! | extract | [`Scan::mesh`], with normals; [`Scan::meshes_into`] for several isovalues, [`SlabScan::meshes_into`] where the scan exceeds memory |
 //! | or sample | [`sparse_meshes_into`] makes samples of a shape, or of another field, only near its surfaces |
-//! | or cut | [`Scan::clipped_mesh`], closed where planes cut |
+//! | or cut | [`Scan::clipped_mesh`], closed where planes, or the [`Mask`] that another scan is, cut |
 //! | refine | [`Scan::refine`] divides triangles or balances them, if that is wanted; [`refine_on`] does it by another field than samples, and on its creases |
 //! | colour | [`Scan::attribute`] gives each vertex the value of another scan there, [`Scan::attribute_colors`] the colour |
 //! | write | [`write_mesh`](crate::io::write_mesh), with [`Scan::context`] |
@@ -36,6 +36,7 @@ mod surface;
 mod target;
 mod values;
 
+pub use clip::Mask;
 pub use error::PipelineError;
 pub use index::Index;
 pub use iso::{IsoChoice, ParseIsoError};

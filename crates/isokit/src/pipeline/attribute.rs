@@ -11,7 +11,7 @@ use isokit_mesh::TriMesh;
 use isokit_volume::for_any;
 
 /// From the coordinates of a scan's meshes to the sample numbers of another scan.
-struct Way {
+pub(super) struct Way {
     /// Samples of the scan to where its meshes are, and to where they were before; none if that is the same.
     placed: Option<[Affine; 2]>,
     /// What brings the axes and the unit of that world to those of the other one.
@@ -20,7 +20,7 @@ struct Way {
 }
 
 impl Way {
-    fn index_of(&self, xyz: Vector) -> Vector {
+    pub(super) fn index_of(&self, xyz: Vector) -> Vector {
         let source = match &self.placed {
             Some([placed, source]) => source.point(placed.inverse_point(xyz)),
             None => xyz,
@@ -85,7 +85,7 @@ impl Scan {
         notes
     }
 
-    fn way(&self, there: &Frame) -> Way {
+    pub(super) fn way(&self, there: &Frame) -> Way {
         let here = self.source_frame();
         let is_turned = here.space != there.space
             && here.space != Space::Unknown

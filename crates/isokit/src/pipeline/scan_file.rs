@@ -1,6 +1,6 @@
 //! A scan in a file, of which no sample was read.
 
-use crate::pipeline::{Lattice, PipelineError, Region, Scan, TargetSpace};
+use crate::pipeline::{Lattice, PipelineError, Region, Scan, SlabScan, TargetSpace};
 use isokit_geom::Frame;
 use isokit_io::{Format, VolumeFile, VolumeOptions, open_volume};
 use isokit_job::Job;
@@ -79,6 +79,11 @@ impl ScanFile {
     pub(crate) fn bricks<T: Sample>(&self) -> Option<Bricks<T>> {
         let file = self.file.bricks().ok().filter(|_| !self.lattice.is_cropped());
         file.and_then(|file| file.read().ok())
+    }
+
+    /// The scan left in its file; none if some samples cannot be read without the others.
+    pub fn into_slabs(self) -> Option<SlabScan> {
+        self.has_slices().then(|| SlabScan::of(self))
     }
 
     /// The scan with the samples of the part in memory, and no others.

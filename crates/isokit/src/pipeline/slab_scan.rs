@@ -8,7 +8,7 @@ use isokit_geom::Frame;
 use isokit_io::{Format, MeshContext, PartSlices, ReadError, ReadFault, VolumeOptions};
 use isokit_job::{Job, OverLimit};
 use isokit_marching_cubes::{Budget, Extracted, Slabs, extract_slabs};
-use isokit_mesh::{Counts, MeshSinks};
+use isokit_mesh::{Counts, MeshSinks, TriMesh};
 use isokit_volume::{
     AnyBricks, BrickGrid, Bricks, Dtype, Grid, Histogram, Observed, Sample, Scaling, Statistics,
     for_dtype,
@@ -52,8 +52,13 @@ impl SlabScan {
                         convert the file to .nrrd first, or read all of it into memory";
             return Err(ReadFault::Caller(says.into()).at(path).into());
         }
+        Ok(Self::of(scan))
+    }
+
+    /// A scan that [has slices](ScanFile::has_slices).
+    pub(super) fn of(scan: ScanFile) -> Self {
         let (statistics, histogram) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { scan, is_observed: false, bricks: None, statistics, histogram })
+        Self { scan, is_observed: false, bricks: None, statistics, histogram }
     }
 
     /// The same scan, with range and NaN looked for by the way in the next extraction, unless an [index](Self::index) tells
@@ -169,6 +174,16 @@ impl SlabScan {
         Ok(found)
     }
 
+    /// Whether an [index](Self::index) tells that surfaces go through so few bricks, an eighth at the most, that they are
+    /// sooner made with it.
+    pub fn is_sparse(&self, isos: &[f64]) -> bool {
+        let Some(bricks) = &self.bricks else { return false };
+        for_dtype!(self.dtype(), T => {
+            let known = index::of_part::<T>(bricks, &self.part());
+            known.is_some_and(|known| index::is_worth_it(&known, self.scaling(), isos))
+        })
+    }
+
     /// Bytes that an index and its use take at the most.
     pub fn index_bytes(&self) -> u64 {
         // Least, greatest and NaN: of the whole, of the part, of slices, and while they come from a file.
@@ -246,6 +261,33 @@ impl SlabScan {
             let bricks = index::bricks_of_part(bricks, &self.part());
             found.iter_mut().for_each(|one| one.skipped.bricks = bricks);
         }
+        Ok(found)
+    }
+
+    /// The same into meshes, each in the memory of a used one, with the normals that are wanted. As many slices are held at a
+    /// time as make it fast.
+    ///
+    /// # Errors
+    ///
+    /// As [`meshes_into`](Self::meshes_into).
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer meshes than isovalues.
+    pub fn whole_meshes_into(
+        &self,
+        isos: &[f64],
+        options: &SurfaceOptions,
+        meshes: &mut [TriMesh],
+        job: &Job,
+    ) -> Result<Vec<Extracted>, PipelineError> {
+        meshes.iter_mut().for_each(|mesh| options.prepare(mesh));
+        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
+        let budget = self.budget(u64::MAX, (isos.len() as u64, 1), options)?;
+        let budget = Budget { piece_bytes: u64::MAX, ..budget };
+        let found = self.meshes_into(isos, options, budget, &mut sinks, job)?;
+        drop(sinks);
+        meshes.iter_mut().try_for_each(|mesh| options.finish(mesh, job))?;
         Ok(found)
     }
 

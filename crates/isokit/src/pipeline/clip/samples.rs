@@ -1,12 +1,13 @@
-//! The samples of a volume, and what is less than the isovalue beyond planes.
+//! The samples of a volume, and what is less than the isovalue beyond planes and outside of a mask.
 
+use super::Mask;
 use crate::pipeline::SurfaceOptions;
 use isokit_geom::{
     Affine, HalfSpace,
     vector::{Vector, dot, length},
 };
 use isokit_job::{Job, Stopped};
-use isokit_lanes::{Extent, exactly};
+use isokit_lanes::{Extent, Side, exactly};
 use isokit_marching_cubes::{
     Budget, Extracted, Placement, SlabError, Slabs, extract_slabs, extract_sparse,
 };
@@ -23,6 +24,20 @@ pub(super) struct Cut {
     /// Out of what is kept, one long.
     pub(super) normal: Vector,
 }
+
+/// Through what an edge leaves the solid.
+pub(super) enum Through<'a> {
+    /// The surface of the field.
+    Field,
+    Plane(&'a Cut),
+    Mask,
+}
+
+/// As near as vertices come to samples, in parts of an edge.
+const NEAR: f64 = 1e-3;
+
+/// How often an edge that leaves a mask is halved to find where: more than f32 shows.
+const HALVINGS: u32 = 24;
 
 /// Bytes of the samples that planes cut, in f64, of which more are not held at a time, unless these are fewer slices than
 /// [`SLICES`].
@@ -43,18 +58,29 @@ pub(super) fn cuts(affine: &Affine, planes: &[HalfSpace]) -> Vec<Cut> {
     planes.iter().map(cut).collect()
 }
 
-/// How fast what is beyond a plane falls: about as values do.
-pub(super) fn steep<T: Sample>(view: &View<'_, T>, [least, greatest]: [f64; 2]) -> f64 {
-    let spacing = view.frame().index_to_world.spacing().into_iter().fold(0.0, f64::max);
-    (0.25 * (greatest - least) / spacing).clamp(f64::MIN_POSITIVE, f64::MAX)
+/// How fast what is cut away falls from where the cut is: about as values do.
+pub(super) struct Fall {
+    /// In a unit of the world.
+    steep: f64,
+    /// How far samples outside of a mask are from it.
+    masked: f64,
 }
 
-/// The values, and what is less than the isovalue beyond the planes.
+impl Fall {
+    pub(super) fn of<T: Sample>(view: &View<'_, T>, [least, greatest]: [f64; 2]) -> Self {
+        let masked = view.frame().index_to_world.spacing().into_iter().fold(0.0, f64::max);
+        let steep = (0.25 * (greatest - least) / masked).clamp(f64::MIN_POSITIVE, f64::MAX);
+        Self { steep, masked }
+    }
+}
+
+/// The values, and what is less than the isovalue where planes and a mask cut.
 pub(super) struct Clipped<'a, T: Sample> {
     pub(super) view: View<'a, T>,
     pub(super) iso: f64,
-    pub(super) steep: f64,
+    pub(super) fall: Fall,
     pub(super) cuts: &'a [Cut],
+    pub(super) mask: Option<&'a Mask>,
     pub(super) known: Option<Cow<'a, Bricks<T>>>,
 }
 
@@ -83,11 +109,82 @@ impl<T: Sample> Clipped<'_, T> {
     }
 
     fn sample(&self, ijk: [usize; 3]) -> f64 {
-        let beyond = self.beyond(|cut| cut.beyond(ijk.map(|n| n as f64)));
+        let place = ijk.map(|n| n as f64);
+        let mut beyond = self.beyond(|cut| cut.beyond(place));
+        if !self.is_masked_in(place) {
+            beyond = beyond.max(self.fall.masked);
+        }
         match beyond > 0.0 {
-            true => (self.iso - self.steep * beyond).min(self.iso.next_down()),
+            true => (self.iso - self.fall.steep * beyond).min(self.iso.next_down()),
             false => self.view.value(ijk),
         }
+    }
+
+    /// Whether a sample is kept and inside.
+    fn is_inside(&self, ijk: Vector) -> bool {
+        self.value(ijk) >= self.iso
+            && self.cuts.iter().all(|cut| cut.beyond(ijk) <= 0.0)
+            && self.is_masked_in(ijk)
+    }
+
+    fn is_masked_in(&self, ijk: Vector) -> bool {
+        self.mask.is_none_or(|mask| mask.keeps(ijk))
+    }
+
+    fn value(&self, sample: Vector) -> f64 {
+        self.view.value(sample.map(|c| c as usize))
+    }
+
+    /// Where the edge of a vertex leaves the solid, and through what. None of a vertex that is on no edge between two samples:
+    /// on the border of the volume, or within a cell.
+    pub(super) fn leaves(&self, ijk: Vector) -> Option<(Vector, Through<'_>)> {
+        let nearest = ijk.map(f64::round);
+        let away = [0, 1, 2].map(|k| (ijk[k] - nearest[k]).abs());
+        let axis = (1..3).fold(0, |most, k| if away[k] > away[most] { k } else { most });
+        // Rounding leaves less than half of what vertices keep from samples.
+        let is_on_edge = (0..3).all(|k| (away[k] < 0.5 * NEAR) != (k == axis));
+        let dims = self.view.dims();
+        let (mut low, mut high) = (nearest, nearest);
+        (low[axis], high[axis]) = (ijk[axis].floor(), ijk[axis].floor() + 1.0);
+        let is_within = |end: Vector| (0..3).all(|k| end[k] >= 0.0 && end[k] < dims[k] as f64);
+        if !(is_on_edge && is_within(low) && is_within(high)) {
+            return None;
+        }
+        let (from, to) = if self.is_inside(low) { (low, high) } else { (high, low) };
+        let at =
+            |share: f64| -> Vector { std::array::from_fn(|k| from[k] + (to[k] - from[k]) * share) };
+        let (inside, outside) = (self.value(from), self.value(to));
+        let mut first = (f64::INFINITY, Through::Field);
+        if outside < self.iso {
+            first.0 = (inside - self.iso) / (inside - outside);
+        }
+        for cut in self.cuts {
+            let [before, after] = [from, to].map(|end| cut.beyond(end));
+            if after > 0.0 && -before / (after - before) < first.0 {
+                first = (-before / (after - before), Through::Plane(cut));
+            }
+        }
+        if !self.is_masked_in(to) {
+            let share = self.leaves_mask(at);
+            if share < first.0 {
+                first = (share, Through::Mask);
+            }
+        }
+        let (share, through) = first;
+        share.is_finite().then(|| (at(share.clamp(NEAR, 1.0 - NEAR)), through))
+    }
+
+    /// Where between 0, which is in the mask, and 1, which is not, places leave it.
+    fn leaves_mask(&self, at: impl Fn(f64) -> Vector) -> f64 {
+        let (mut within, mut outside) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (within + outside);
+            match self.is_masked_in(at(middle)) {
+                true => within = middle,
+                false => outside = middle,
+            }
+        }
+        0.5 * (within + outside)
     }
 
     /// The greatest of what is told of the planes.
@@ -116,9 +213,10 @@ impl<T: Sample> SampleSource<f64> for Clipped<'_, T> {
         // Rounding keeps order, so no sample of the box is nearer or farther than its corners are.
         let [nearest, farthest] = [Cut::nearest, Cut::farthest]
             .map(|corner| self.beyond(|cut| cut.beyond(corner(cut, points))));
+        let masked = self.mask.map_or(Side::Inside, |mask| mask.side(points));
         Some(match () {
-            () if nearest > 0.0 => cut,
-            () if farthest > 0.0 => kept.with(cut),
+            () if nearest > 0.0 || masked == Side::Outside => cut,
+            () if farthest > 0.0 || masked == Side::Both => kept.with(cut),
             () => kept,
         })
     }

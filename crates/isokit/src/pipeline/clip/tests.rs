@@ -2,7 +2,7 @@
 
 use super::{
     Placement,
-    samples::{Clipped, WINDOW, cuts},
+    samples::{Clipped, Fall, WINDOW, cuts},
 };
 use crate::pipeline::{Scan, SurfaceOptions};
 use isokit_geom::{
@@ -28,7 +28,7 @@ fn ball() -> Scan {
 
 fn clipped(scan: &Scan, iso: f64, planes: &[HalfSpace]) -> TriMesh {
     let (options, job) = (SurfaceOptions::default(), Job::default());
-    scan.clipped_mesh(iso, planes, &options, &job).unwrap().0
+    scan.clipped_mesh(iso, (planes, None), &options, &job).unwrap().0
 }
 
 #[test]
@@ -82,7 +82,8 @@ fn slice_by_slice_it_is_the_surface_of_all_samples_that_planes_cut() {
     let linear = options.extract.clone().with_placement(Placement::Linear);
     let linear = options.clone().with_extract(linear);
     let (view, cuts) = (volume.view(), cuts(&grid.frame.index_to_world, &planes));
-    let clipped = Clipped { view, iso: 0.5, steep: 1.0, cuts: &cuts, known: None };
+    let fall = Fall::of(&view, [-3.0, 3.0]);
+    let clipped = Clipped { view, iso: 0.5, fall, cuts: &cuts, mask: None, known: None };
     assert!(8 * grid.count() > WINDOW, "more than one window");
     let whole = collect(&mut clipped.slices(&job), &job).unwrap();
     let whole = Scan::new(whole).mesh(0.5, &linear, &job).unwrap();

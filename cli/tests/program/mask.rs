@@ -1,0 +1,101 @@
+//! `extract --mask`: what another volume keeps.
+
+use crate::kit::{CENTRE, Folder, ball};
+use isokit::geom::Space;
+use isokit_cli::Exit;
+
+/// With `ball.nii` and, on the same lattice, `labels.nii`: 4 in the lower half along x, 7 in the upper one.
+fn folder() -> Folder {
+    let folder = Folder::with_ball();
+    folder.volume("labels.nii", Space::Ras, |[i, ..]| if i < 8 { 4.0 } else { 7.0 });
+    folder
+}
+
+/// The volume that the first surface encloses.
+#[track_caller]
+fn volume(folder: &Folder, line: &str) -> f64 {
+    folder.done(&format!("extract ball.nii --iso 50 -o a.ply --report a.json {line}"));
+    folder.done("check a.ply");
+    folder.json("a.json")["surfaces"][0]["volume"].as_f64().unwrap()
+}
+
+#[test]
+fn a_label_keeps_its_part_and_closes_it() {
+    let folder = folder();
+    let whole = volume(&folder, "--placement linear");
+    for (values, expected) in [("4", 0.5), ("7,9", 0.5), ("4,7", 1.0)] {
+        let share = volume(&folder, &format!("--mask labels.nii --mask-values {values}")) / whole;
+        assert!((0.9..1.01).contains(&(share / expected)), "{values}: {share}");
+    }
+    assert_eq!(
+        volume(&folder, "--mask labels.nii --mask-values 4,7"),
+        volume(&folder, "--mask labels.nii")
+    );
+    // With a plane, a quarter; in any space, and with an index.
+    let [_, y, _] = CENTRE;
+    let plane = format!("--mask labels.nii --mask-values 7 --clip 0,1,0,{y}");
+    let quarter = volume(&folder, &plane);
+    assert!((0.8..1.0).contains(&(quarter / whole / 0.25)), "{quarter}");
+    assert_eq!(volume(&folder, &format!("{plane} --index")), quarter);
+    let turned = volume(&folder, "--mask labels.nii --mask-values 7 --space lps");
+    let same = volume(&folder, "--mask labels.nii --mask-values 7");
+    assert!((turned / same - 1.0).abs() < 1e-5, "{turned} {same}");
+    let mesh = folder.topology("a.ply");
+    assert!((mesh.measure.bounds.unwrap().min[0] - 17.5).abs() < 1e-5, "halfway between samples");
+}
+
+#[test]
+fn a_mask_that_keeps_nothing_is_the_callers_mistake_and_one_elsewhere_leaves_nothing() {
+    let folder = folder();
+    let ran = folder.run("extract ball.nii --iso 50 --mask labels.nii --mask-values 5 -o a.stl");
+    assert_eq!(ran.exit, Exit::Failed);
+    for says in ["no sample has one of --mask-values, they range from 4 to 7", "name values"] {
+        assert!(ran.err.contains(says), "{}", ran.err);
+    }
+    folder.volume("none.nii", Space::Ras, |_| 0.0);
+    let ran = folder.run("extract ball.nii --iso 50 --mask none.nii -o a.stl");
+    assert!(ran.exit == Exit::Failed && ran.err.contains("a value other than 0"), "{}", ran.err);
+    // The ball lies where the mask has another label.
+    folder.volume("corner.nii", Space::Ras, |ijk| f32::from(u8::from(ijk == [0; 3])));
+    let ran = folder.done("extract ball.nii --iso 50:core --mask corner.nii -o a.stl");
+    assert!(
+        ran.err.contains("core: what is kept of the volume holds nothing of it"),
+        "{}",
+        ran.err
+    );
+    let ran = folder.done("extract ball.nii --iso 50:core --clip 1,0,0,-99 -o a.stl");
+    assert!(
+        ran.err.contains("core: what is kept of the volume holds nothing of it"),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn a_mask_without_a_known_space_is_taken_to_lie_in_the_same_one() {
+    let folder = folder();
+    folder.volume("loose.npy", Space::Unknown, |ijk| f32::from(u8::from(ball(ijk) > 0.0)));
+    let ran = folder.done("extract ball.nii --iso 50 --mask loose.npy -o a.stl");
+    assert!(
+        ran.err.contains("loose.npy: axes are RAS and unknown; they are taken to be the same"),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn what_does_not_go_with_a_mask_is_said() {
+    let folder = folder();
+    for (line, says) in [
+        ("--mask labels.nii --refine 1", "cannot be used with"),
+        ("--mask labels.nii --max-memory 1GiB", "cannot be used with"),
+        ("--mask labels.nii --placement cubic", "cannot be used with"),
+        ("--mask labels.nii --dump-scene s.toml", "a scene has no mask"),
+        ("--mask-values 4", "--mask <VOLUME>"),
+        ("--mask labels.nii --mask-values 4,skin", "expected a number, found \"skin\""),
+        ("--mask labels.nii --report labels.nii", "are the same file"),
+    ] {
+        let ran = folder.run(&format!("extract ball.nii --iso 50 {line} -o a.stl"));
+        assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{line}: {}", ran.err);
+    }
+}
