@@ -8,7 +8,7 @@ use clap::{ArgAction, ArgMatches, Command, parser::ValueSource};
 use std::{ffi::OsStr, path::Path};
 
 /// Options that change how a command is done, or what is said of it, but not the file it makes.
-const WITHOUT_EFFECT: [&str; 12] = [
+const WITHOUT_EFFECT: [&str; 13] = [
     "threads",
     "progress",
     "quiet",
@@ -18,10 +18,14 @@ const WITHOUT_EFFECT: [&str; 12] = [
     "format",
     "index",
     "report",
+    "dump_scene",
     "repeat",
     "repeat_warm",
     "max_memory",
 ];
+
+/// Options that name a file that is read.
+const FILES: [&str; 2] = ["attribute", "mask"];
 
 /// The command as one would type it, each word quoted where a shell needs it.
 pub(crate) fn canonical(command: &Command, matches: &ArgMatches) -> String {
@@ -39,7 +43,7 @@ pub(crate) fn canonical(command: &Command, matches: &ArgMatches) -> String {
         let is_flag = matches!(argument.get_action(), ArgAction::SetTrue);
         for value in matches.get_raw(id).into_iter().flatten() {
             words.extend(argument.get_long().map(|long| format!("--{long}")));
-            let is_path = argument.get_long().is_none();
+            let is_path = argument.get_long().is_none() || FILES.contains(&id);
             if !is_flag {
                 words.push(quoted(if is_path { file_name(value) } else { value }));
             }
@@ -80,6 +84,8 @@ mod tests {
                     |--threads|3|--index|--report|r.json|-v|--boundary|open";
         let told = "isokit extract head.nii.gz --iso '-300:skin:#d8a580' --iso 300 --boundary open";
         assert_eq!(of(line), told);
+        let others = "isokit|extract|a.nii|--iso|5|-o|a.stl|--attribute|x/pet.nii|--mask|../y/m.nii|--dump-scene|z/s.toml";
+        assert_eq!(of(others), "isokit extract a.nii --iso 5 --mask m.nii --attribute pet.nii");
         let spaced = "isokit|convert|it's.stl|--weld|0|-o|x.glb";
         assert_eq!(of(spaced), r"isokit convert 'it'\''s.stl' --weld 0");
     }

@@ -97,8 +97,8 @@ pub(crate) struct ExtractArgs {
     #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
     pub(crate) clip: Vec<ClipArg>,
     /// Keep only what lies where another volume, such as a segmentation, has one of --mask-values at its nearest sample,
-    /// and close the holes. It may have any lattice in the same world; beyond it nothing is kept. Vertices and diagonals
-    /// are as with --clip
+    /// and close the holes. It may have any lattice in the same world, but of what is thinner than the samples of the
+    /// volume pieces are missed; beyond it nothing is kept. Vertices and diagonals are as with --clip
     #[arg(long, value_name = "VOLUME")]
     #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
     #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
@@ -112,9 +112,11 @@ pub(crate) struct ExtractArgs {
     pub(crate) space: SpaceArg,
     #[command(flatten)]
     pub(crate) color: ColorArgs,
-    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface; once it is kept,
-    /// rows far from the surfaces are not even read, where they are most of a volume or with --max-memory. Made when
-    /// it is first asked for or the volume has changed, always of all of the volume; the mesh does not depend on it
+    /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Once it is kept, rows
+    /// far from surfaces that are in few bricks are not even read, unless other options look there: --clip, --mask,
+    /// --refine, --max-error, --balance, --attribute, --texture, --repeat, an isovalue that is to be found, a report on a
+    /// part; with --max-memory always. Made when it is first asked for or the volume has changed, always of
+    /// all of the volume; the mesh does not depend on it
     #[arg(long, conflicts_with = "quantity", help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is

@@ -24,7 +24,7 @@ use isokit::{
     lanes::return_freed_memory,
     marching_cubes::{Extracted, Skipped},
     mesh::{Surface, TriMesh, topology},
-    pipeline::{Index, IsoChoice, PipelineError, Region, Remark, Scan, ScanFile},
+    pipeline::{Index, IsoChoice, Mask, PipelineError, Region, Remark, Scan, ScanFile},
     refine::{Refined, Subdivision},
 };
 use std::time::Instant;
@@ -56,6 +56,7 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         return near::extract(plan, near, (start, timings), session);
     }
     let attribute = attribute::open(&plan.color, plan.target.format, session)?;
+    let mask = cut::open(plan, session)?;
     let mut scan = timed(&mut timings.read, || read(plan, session))?;
     scan.notes().iter().for_each(|note| session.console.note(note));
     if plan.index {
@@ -63,7 +64,9 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
         tell_index(&found, session);
     }
     let isos = isos(plan, |choice, job| scan.iso(choice, job), session)?;
-    let (meshes, extracted) = meshes(plan, &scan, &isos, &mut timings, session)?;
+    let mask = timed(&mut timings.read, || cut::mask(plan, mask, &scan, session))?;
+    let made = (&isos[..], mask.as_ref());
+    let (meshes, extracted) = meshes(plan, &scan, made, &mut timings, session)?;
     let mut surfaces = surfaces(&plan.levels, &isos, meshes);
     let refined = timed(&mut timings.mend, || refined(plan, &scan, &mut surfaces, session))?;
     let colors = timed(&mut timings.mend, || {
@@ -155,15 +158,14 @@ pub(super) fn tell_singular(extracted: &Extracted, name: &str, session: &Session
 fn meshes(
     plan: &ExtractPlan,
     scan: &Scan,
-    isos: &[f64],
+    (isos, mask): (&[f64], Option<&Mask>),
     timings: &mut Timings,
     session: &Session<'_, '_>,
 ) -> Result<(Vec<TriMesh>, Vec<Extracted>)> {
     let surface = plan.surface.before(&plan.refine);
     if plan.cuts() {
-        let mask = timed(&mut timings.read, || cut::mask(plan, scan, session))?;
         let made = timed(&mut timings.extract, || {
-            cut::meshes(plan, scan, (isos, mask.as_ref(), &surface), session)
+            cut::meshes(plan, scan, (isos, mask, &surface), session)
         });
         return Ok(made?.into_iter().unzip());
     }
@@ -254,12 +256,14 @@ fn tell_counts(surface: &Surface, session: &Session<'_, '_>) {
 /// The same, and what is peculiar about it.
 fn tell(plan: &ExtractPlan, surface: &Surface, remark: Option<Remark>, session: &Session<'_, '_>) {
     tell_counts(surface, session);
+    let is_empty = surface.mesh.triangles.is_empty();
     let says = match remark {
-        Some(Remark::Empty) if plan.cuts() => {
+        Some(remark @ (Remark::AllOutside { .. } | Remark::AllNan)) => remark.to_string(),
+        _ if plan.cuts() && is_empty => {
             format!("{}: what is kept of the volume holds nothing of it", surface.name)
         }
-        Some(remark) => remark.to_string(),
-        None => return,
+        Some(remark) if !plan.cuts() => remark.to_string(),
+        _ => return,
     };
     session.console.warn(&says);
 }

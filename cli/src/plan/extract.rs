@@ -2,7 +2,7 @@
 
 use super::{ColorPlan, MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
-    args::{ClipArg, ExtractArgs, LevelArg, PlacementArg, SpaceArg},
+    args::{ClipArg, DiagonalsArg, ExtractArgs, LevelArg, PlacementArg, SpaceArg},
     fault::UsageError,
     shape_file::is_shape,
 };
@@ -116,6 +116,7 @@ impl ExtractPlan {
         check_refine(&refine, &surface)?;
         let volume = args.volume.options();
         check_scene(&args)?;
+        check_cuts(&args)?;
         let color = ColorPlan::new(args.color, &target)?;
         if args.max_memory.is_some() {
             check_slabs(&target, &volume, (&surface, &refine, &color), repeat)?;
@@ -271,6 +272,19 @@ fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), 
         Degenerate::Exact if !refine.do_nothing() => Err(UsageError(
             "--degenerate exact makes triangles without area, which can neither be divided nor \
              balanced: leave out either it or --creases, --refine, --max-error and --balance"
+                .into(),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// What has no effect on surfaces that are cut.
+fn check_cuts(args: &ExtractArgs) -> Result<(), UsageError> {
+    let cuts_all = args.mask.is_some() || args.clip.iter().any(|clip| clip.surfaces.is_none());
+    match args.diagonals {
+        DiagonalsArg::Fitted if cuts_all => Err(UsageError(
+            "--diagonals fitted: surfaces that are cut have the table's diagonals: leave out either it or --clip and \
+             --mask"
                 .into(),
         )),
         _ => Ok(()),

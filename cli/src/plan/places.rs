@@ -29,18 +29,18 @@ impl Places {
     /// The input. Nothing is opened yet; a file beside a header, of the name that its data usually has,
     /// is taken for its data.
     pub(super) fn of_input(path: &Path) -> Self {
-        let mut places = Self(vec![Named::new("the input", path)]);
+        let mut places = Self(vec![]);
+        places.read("the input", path);
+        places
+    }
+
+    /// Adds a file that is read too, be it the input again, with its data.
+    pub(super) fn read(&mut self, by: &'static str, path: &Path) {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let parts = PARTS.iter().filter(|(header, _)| *header == ending);
         let parts = parts.flat_map(|(_, parts)| *parts).map(|part| path.with_extension(part));
         let parts = parts.filter(|part| part.is_file());
-        places.0.extend(parts.map(|part| Named::new("the input", &part)));
-        places
-    }
-
-    /// Adds a file that is read too, be it the input again.
-    pub(super) fn read(&mut self, by: &'static str, path: &Path) {
-        self.0.push(Named::new(by, path));
+        self.0.extend([path.to_owned()].into_iter().chain(parts).map(|path| Named::new(by, &path)));
     }
 
     /// Adds a file that will be written, and says by which option.

@@ -3,6 +3,7 @@
 use crate::kit::{CENTRE, Folder, ball};
 use isokit::geom::Space;
 use isokit_cli::Exit;
+use std::fs;
 
 /// With `ball.nii` and, on the same lattice, `labels.nii`: 4 in the lower half along x, 7 in the upper one.
 fn folder() -> Folder {
@@ -49,7 +50,8 @@ fn a_mask_that_keeps_nothing_is_the_callers_mistake_and_one_elsewhere_leaves_not
     let folder = folder();
     let ran = folder.run("extract ball.nii --iso 50 --mask labels.nii --mask-values 5 -o a.stl");
     assert_eq!(ran.exit, Exit::Failed);
-    for says in ["no sample has one of --mask-values, they range from 4 to 7", "name values"] {
+    for says in ["no sample has one of --mask-values: the samples range from 4 to 7", "name values"]
+    {
         assert!(ran.err.contains(says), "{}", ran.err);
     }
     folder.volume("none.nii", Space::Ras, |_| 0.0);
@@ -84,8 +86,36 @@ fn a_mask_without_a_known_space_is_taken_to_lie_in_the_same_one() {
 }
 
 #[test]
+fn of_a_volume_that_is_all_inside_a_mask_tells_what_is_left() {
+    let folder = folder();
+    folder.volume("elsewhere.npy", Space::Unknown, |_| 1.0);
+    let ran =
+        folder.done("extract ball.nii --iso -9999 --mask labels.nii --mask-values 4 -o a.stl");
+    assert!(!ran.err.contains("warning"), "no box of the volume: {}", ran.err);
+    folder.done("check a.stl");
+    for (line, says) in [
+        ("--iso -9999 --boundary open --mask elsewhere.npy", "kept of the volume holds nothing"),
+        ("--iso -9999 --mask elsewhere.npy", "kept of the volume holds nothing"),
+        ("--iso 9999 --mask labels.nii", "above every sample"),
+    ] {
+        let ran = folder.done(&format!("extract ball.nii {line} -o a.stl"));
+        assert!(ran.err.contains(says), "{line}: {}", ran.err);
+    }
+}
+
+#[test]
+fn a_mask_that_is_not_there_is_told_before_the_volume_is_read() {
+    let folder = folder();
+    let ran = folder.run("extract ball.nii --iso 50 --index --mask none.nii -o a.stl");
+    assert!(ran.exit == Exit::Failed && ran.err.contains("none.nii"), "{}", ran.err);
+    assert!(!folder.names().contains(&"ball.nii.bricks".to_owned()));
+}
+
+#[test]
 fn what_does_not_go_with_a_mask_is_said() {
     let folder = folder();
+    fs::write(folder.path("detached.nhdr"), "").unwrap();
+    fs::write(folder.path("detached.raw"), "").unwrap();
     for (line, says) in [
         ("--mask labels.nii --refine 1", "cannot be used with"),
         ("--mask labels.nii --max-memory 1GiB", "cannot be used with"),
@@ -94,6 +124,9 @@ fn what_does_not_go_with_a_mask_is_said() {
         ("--mask-values 4", "--mask <VOLUME>"),
         ("--mask labels.nii --mask-values 4,skin", "expected a number, found \"skin\""),
         ("--mask labels.nii --report labels.nii", "are the same file"),
+        ("--mask detached.nhdr --report detached.raw", "are the same file"),
+        ("--mask labels.nii --diagonals fitted", "leave out either it or --clip and --mask"),
+        ("--clip 1,0,0,5 --diagonals fitted", "leave out either it or --clip and --mask"),
     ] {
         let ran = folder.run(&format!("extract ball.nii --iso 50 {line} -o a.stl"));
         assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{line}: {}", ran.err);

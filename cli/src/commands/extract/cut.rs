@@ -10,37 +10,45 @@ use isokit::{
     io::VolumeOptions,
     marching_cubes::Extracted,
     mesh::TriMesh,
-    pipeline::{Mask, PipelineError, Region, Scan, SurfaceOptions, TargetSpace},
+    pipeline::{Mask, PipelineError, Region, Scan, ScanFile, SurfaceOptions, TargetSpace},
 };
 
-/// What the planned volume keeps of a scan; none if there is none. A volume that keeps nothing at all is not the one that was
-/// meant.
+/// The volume that keeps something, if there is one. Looked for before anything else is read.
+pub(super) fn open(plan: &ExtractPlan, session: &Session<'_, '_>) -> Result<Option<ScanFile>> {
+    let Some((path, _)) = &plan.mask else { return Ok(None) };
+    let (options, space) = (VolumeOptions::default(), TargetSpace::Source);
+    let file = ScanFile::open(path, &options, space, &Region::Whole, &session.job)?;
+    let name = path.display();
+    file.notes().iter().for_each(|note| session.console.note(&format!("{name}: {note}")));
+    Ok(Some(file))
+}
+
+/// What it keeps of a scan. A volume that keeps nothing at all is not the one that was meant.
 pub(super) fn mask(
     plan: &ExtractPlan,
+    file: Option<ScanFile>,
     scan: &Scan,
     session: &Session<'_, '_>,
 ) -> Result<Option<Mask>> {
-    let Some((path, values)) = &plan.mask else { return Ok(None) };
-    let (options, space) = (VolumeOptions::default(), TargetSpace::Source);
-    let other = Scan::open(path, &options, space, &Region::Whole, &session.job)?;
-    let name = path.display();
-    let notes = other.notes().iter().cloned().chain(scan.differences(&other));
-    notes.for_each(|note| session.console.note(&format!("{name}: {note}")));
+    let (Some((path, values)), Some(file)) = (&plan.mask, file) else { return Ok(None) };
+    let (name, other) = (path.display(), file.read(&session.job)?);
+    let differences = scan.differences(&other);
+    differences.iter().for_each(|note| session.console.note(&format!("{name}: {note}")));
     let chosen = (!values.is_empty()).then_some(&values[..]);
     let mask = scan.mask(&other, chosen, &session.job).map_err(PipelineError::from)?;
     if mask.count() > 0 {
         return Ok(Some(mask));
     }
+    let (expected, advice) = match chosen {
+        Some(_) => ("one of --mask-values", "name values that occur there, or another volume"),
+        None => ("a value other than 0", "take another volume"),
+    };
     let found = match other.statistics(&session.job)?.range {
-        Some([least, greatest]) => format!("they range from {least} to {greatest}"),
+        Some([least, greatest]) => format!("the samples range from {least} to {greatest}"),
         None => "all are NaN".into(),
     };
-    let expected = match chosen {
-        Some(_) => "one of --mask-values",
-        None => "a value other than 0",
-    };
-    let message = format!("{name}: no sample has {expected}, {found}");
-    Err(CallerError { message, advice: "name values that occur there, or another volume" }.into())
+    let message = format!("{name}: no sample has {expected}: {found}");
+    Err(CallerError { message, advice }.into())
 }
 
 /// A mesh for each isovalue, of what is kept of it.

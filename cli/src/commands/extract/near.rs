@@ -37,7 +37,9 @@ pub(super) fn open(
     let scan = if file.has_index() { file.into_slabs() } else { None };
     let Some(mut scan) = scan else { return Ok(None) };
     let index = timed(&mut timings.index, || scan.index(&session.job))?;
-    if !scan.is_sparse(&isos) {
+    // What a report says of all samples is looked for with them in memory.
+    let is_told = plan.report.is_some() || session.console.is_verbose();
+    if !scan.is_sparse(&isos) || is_told && !scan.has_statistics() {
         return Ok(None);
     }
     scan.notes().iter().for_each(|note| session.console.note(note));

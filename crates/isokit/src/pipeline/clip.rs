@@ -3,7 +3,8 @@
 //! What is inside of the surface, on the kept side of all planes and in the mask is a solid again: its samples are those whose
 //! values are at the isovalue or above, and that neither cuts away. Its surface is extracted like any other, so it is closed
 //! and manifold however planes, masks and samples lie. Each vertex then goes, on its edge of the lattice, to where the edge
-//! leaves the solid: where linear interpolation has the isovalue, through a plane, or out of the mask, whichever comes first.
+//! leaves the solid: where linear interpolation has the isovalue, through a plane, or out of the mask, whichever comes first. Between two
+//! samples a mask is taken to end once.
 //! So the cut of a plane is flat, and only its rim is cut off within a cell. That of a mask has the steps of the mask's samples.
 
 mod mask;
@@ -35,6 +36,10 @@ impl Scan {
     /// # Errors
     ///
     /// As [`mesh`](Self::mesh).
+    ///
+    /// # Panics
+    ///
+    /// If the mask is that of another part, or of the scan in another place.
     pub fn clipped_mesh(
         &self,
         iso: f64,
@@ -59,6 +64,8 @@ impl Scan {
         options: &SurfaceOptions,
         (mesh, job): (&mut TriMesh, &Job),
     ) -> Result<Vec<Extracted>, PipelineError> {
+        let fits = mask.is_none_or(|mask| mask.is_of(self.lattice()));
+        assert!(fits, "a mask of the same part in the same place");
         let range = self.statistics(job)?.range.unwrap_or([iso, iso]);
         let linear = options.extract.clone().with_placement(Placement::Linear);
         let linear = linear.with_diagonals(Diagonals::Table); // vertices are still to be moved
@@ -71,7 +78,7 @@ impl Scan {
             let clipped = Clipped { view, iso, fall, cuts: &cuts, mask, known };
             let extracted = clipped.mesh_into(&options, mesh, job);
             let extracted = extracted.map_err(|error| of_slabs(error, &self.part()))?;
-            settle(mesh, &clipped, job)?;
+            settle(mesh, &clipped, extracted[0].margin, job)?;
             extracted
         });
         if options.normals == Normals::Area {
@@ -81,11 +88,12 @@ impl Scan {
     }
 }
 
-/// Moves vertices along their edges to where these leave the solid; on the cut of a plane they get its normal, on that of a
-/// mask they keep that of the samples that it leaves, elsewhere they get that of the field.
+/// Moves vertices along their edges to where these leave the solid. There they get the normal of the field or the plane; on
+/// the cut of a mask and the border of the volume they keep that of the samples that are left.
 fn settle<T: Sample>(
     mesh: &mut TriMesh,
     clipped: &Clipped<'_, T>,
+    margin: f64,
     job: &Job,
 ) -> Result<(), Cancelled> {
     let affine = clipped.view.frame().index_to_world;
@@ -97,15 +105,14 @@ fn settle<T: Sample>(
     };
     let one = |place: Vector, normal: Option<&mut [f32; 3]>| {
         let ijk = affine.inverse_point(place);
-        let left = clipped.leaves(ijk);
+        let left = clipped.leaves(ijk, margin);
         if let Some(normal) = normal {
             let found = match &left {
-                Some((_, Through::Plane(cut))) => Some(cut.normal),
-                Some((_, Through::Mask)) => None,
                 Some((ijk, Through::Field)) => Some(of_field(*ijk)),
-                None => Some(of_field(ijk)),
+                Some((_, Through::Plane(cut))) => Some(cut.normal),
+                Some((_, Through::Mask)) | None => None,
             };
-            // Where the field has none, what the extraction found stays.
+            // Where nothing is found, also where the field has no slope, what the extraction found stays.
             if let Some(found) = found.and_then(unit) {
                 *normal = found.map(|c| c as f32);
             }

@@ -132,6 +132,11 @@ impl SlabScan {
         Ok(*self.statistics.get_or_init(|| found))
     }
 
+    /// Whether range and NaN of the part are known, without a look at samples.
+    pub fn has_statistics(&self) -> bool {
+        self.statistics.get().is_some() || for_dtype!(self.dtype(), T => self.told::<T>()).is_some()
+    }
+
     /// How often each value occurs in the part; `None` if none is finite. Counted once.
     ///
     /// # Errors

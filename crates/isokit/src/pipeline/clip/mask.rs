@@ -1,27 +1,31 @@
 //! What another volume keeps of a scan, by the values of its samples.
 
-use crate::pipeline::{Scan, attribute::Way, lattice::frame_at};
-use isokit_geom::{
-    Affine,
-    vector::{Vector, dot},
-};
+use crate::pipeline::{Lattice, Scan};
+use isokit_geom::vector::{Vector, dot};
 use isokit_job::{Job, Stopped, Work};
 use isokit_lanes::{Side, WORD, exactly, words};
 use isokit_volume::{Points, Sample, View, for_any};
 use rayon::prelude::*;
 
-/// Which places of a scan another volume keeps: those whose nearest sample there has one of some values, such as the label of
-/// an organ. What is farther than half a sample outside of that volume is not kept.
+/// Which places of a part of a scan another volume keeps: those whose nearest sample there has one of some values, such as
+/// the label of an organ. Of two samples as near it is the later one. What is farther than half a sample outside of that volume
+/// is not kept.
 ///
-/// [`Scan::mask`] makes it.
+/// [`Scan::mask`] makes it, of the part that is looked at, and where the scan is [placed](Scan::placed).
 #[derive(Clone, Debug)]
 pub struct Mask {
     /// One bit for each sample of the other volume, in words that begin with each row.
     bits: Vec<u64>,
     dims: [usize; 3],
-    /// For each axis of the other volume, how its sample number changes with those of the scan's part, and where it begins.
+    /// For each axis of the other volume, how its sample number changes with those of the scan's part, and where it begins: in
+    /// whole [`FINEST`], so that sums are exact and places halfway between samples go one way.
     rows: [(Vector, f64); 3],
+    /// Where the scan is.
+    of: Lattice,
 }
+
+/// What sample numbers are rounded to.
+const FINEST: f64 = 1.0 / (1 << 24) as f64;
 
 impl Scan {
     /// What `other` keeps of this scan: places whose nearest sample in it has one of the values; without any given, a value
@@ -32,28 +36,28 @@ impl Scan {
     ///
     /// If the job is cancelled or allows less memory.
     pub fn mask(&self, other: &Self, values: Option<&[f64]>, job: &Job) -> Result<Mask, Stopped> {
-        let way = self.way(other.source_frame());
-        let here = frame_at(self.frame(), &self.part()).index_to_world;
-        let mut rows = rows(&way, &here);
-        for ((_, start), part) in rows.iter_mut().zip(other.part()) {
-            *start -= part.start as f64;
+        let (way, here) = (self.way(other.source_frame()), self.frame().index_to_world);
+        let [first, skipped] = [self, other].map(|scan| scan.part().map(|part| part.start as f64));
+        let mut rows = rows(|ijk| way.index_of(here.point(ijk)));
+        for ((step, start), skipped) in rows.iter_mut().zip(skipped) {
+            *start += dot(*step, first) - skipped;
         }
         let mut sorted = values.map(<[f64]>::to_vec);
         sorted.iter_mut().for_each(|all| all.sort_by(f64::total_cmp));
         for_any!(other.volume(), volume => {
             let view = other.view(volume);
             let bits = bits(&view, sorted.as_deref(), job)?;
-            Ok(Mask { bits, dims: view.dims(), rows })
+            Ok(Mask { bits, dims: view.dims(), rows, of: self.lattice().clone() })
         })
     }
 }
 
-/// Sample numbers of another volume as sums over those of samples at `here`.
-fn rows(way: &Way, here: &Affine) -> [(Vector, f64); 3] {
-    let at = |ijk| way.index_of(here.point(ijk));
+/// Sample numbers of another volume as sums over those of the scan, of which `at` tells them.
+fn rows(at: impl Fn(Vector) -> Vector) -> [(Vector, f64); 3] {
+    let rounded = |number: f64| (number / FINEST).round() * FINEST;
     let start = at([0.0; 3]);
     let ends = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(at);
-    std::array::from_fn(|k| (ends.map(|end| end[k] - start[k]), start[k]))
+    std::array::from_fn(|k| (ends.map(|end| rounded(end[k] - start[k])), rounded(start[k])))
 }
 
 /// Which samples have one of the values, which are sorted.
@@ -102,6 +106,11 @@ impl Mask {
         self.bits.iter().map(|word| u64::from(word.count_ones())).sum()
     }
 
+    /// Whether it is of a part of a scan, in that place.
+    pub(super) fn is_of(&self, lattice: &Lattice) -> bool {
+        self.of == *lattice
+    }
+
     /// Whether a place in the index space of the scan's part is kept.
     pub(super) fn keeps(&self, ijk: Vector) -> bool {
         let at = self.rows.map(|(step, start)| start + dot(step, ijk));
@@ -125,7 +134,8 @@ impl Mask {
             }
             // A sample more on both sides: rounding is less.
             let (least, greatest) = (least.floor() - 1.0, greatest.ceil() + 1.0);
-            is_outside |= least < 0.0 || greatest >= self.dims[k] as f64;
+            // Of what is no number too.
+            is_outside |= !(least >= 0.0 && greatest < self.dims[k] as f64);
             // As numbers are cast, what is below 0 is 0.
             *within = least as usize..(greatest as usize).saturating_add(1).min(self.dims[k]);
         }

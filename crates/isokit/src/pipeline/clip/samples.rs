@@ -33,7 +33,7 @@ pub(super) enum Through<'a> {
     Mask,
 }
 
-/// As near as vertices come to samples, in parts of an edge.
+/// As near as vertices come to samples at the nearest, in parts of an edge.
 const NEAR: f64 = 1e-3;
 
 /// How often an edge that leaves a mask is halved to find where: more than f32 shows.
@@ -135,14 +135,15 @@ impl<T: Sample> Clipped<'_, T> {
         self.view.value(sample.map(|c| c as usize))
     }
 
-    /// Where the edge of a vertex leaves the solid, and through what. None of a vertex that is on no edge between two samples:
-    /// on the border of the volume, or within a cell.
-    pub(super) fn leaves(&self, ijk: Vector) -> Option<(Vector, Through<'_>)> {
+    /// Where the edge of a vertex leaves the solid, and through what, if vertices keep `margin` from samples, in parts of an
+    /// edge. None of a vertex that is on no edge between two samples: on the border of the volume, or within a cell.
+    pub(super) fn leaves(&self, ijk: Vector, margin: f64) -> Option<(Vector, Through<'_>)> {
+        let margin = margin.max(NEAR);
         let nearest = ijk.map(f64::round);
         let away = [0, 1, 2].map(|k| (ijk[k] - nearest[k]).abs());
         let axis = (1..3).fold(0, |most, k| if away[k] > away[most] { k } else { most });
-        // Rounding leaves less than half of what vertices keep from samples.
-        let is_on_edge = (0..3).all(|k| (away[k] < 0.5 * NEAR) != (k == axis));
+        // Rounding moves a vertex by less than half of the margin.
+        let is_on_edge = (0..3).all(|k| (away[k] < 0.5 * margin) != (k == axis));
         let dims = self.view.dims();
         let (mut low, mut high) = (nearest, nearest);
         (low[axis], high[axis]) = (ijk[axis].floor(), ijk[axis].floor() + 1.0);
@@ -153,10 +154,9 @@ impl<T: Sample> Clipped<'_, T> {
         let (from, to) = if self.is_inside(low) { (low, high) } else { (high, low) };
         let at =
             |share: f64| -> Vector { std::array::from_fn(|k| from[k] + (to[k] - from[k]) * share) };
-        let (inside, outside) = (self.value(from), self.value(to));
         let mut first = (f64::INFINITY, Through::Field);
-        if outside < self.iso {
-            first.0 = (inside - self.iso) / (inside - outside);
+        if self.value(to) < self.iso {
+            first.0 = falls_below(self.iso, self.value(from), self.value(to));
         }
         for cut in self.cuts {
             let [before, after] = [from, to].map(|end| cut.beyond(end));
@@ -171,7 +171,7 @@ impl<T: Sample> Clipped<'_, T> {
             }
         }
         let (share, through) = first;
-        share.is_finite().then(|| (at(share.clamp(NEAR, 1.0 - NEAR)), through))
+        share.is_finite().then(|| (at(share.clamp(margin, 1.0 - margin)), through))
     }
 
     /// Where between 0, which is in the mask, and 1, which is not, places leave it.
@@ -229,6 +229,17 @@ impl<T: Sample> SampleSource<f64> for Clipped<'_, T> {
                 *sample = self.sample([i, j, k]);
             }
         }
+    }
+}
+
+/// In what part of the way from a value inside to one outside the isovalue is. What is infinite is not left, or at once.
+fn falls_below(iso: f64, inside: f64, outside: f64) -> f64 {
+    if inside == f64::INFINITY {
+        return 1.0;
+    }
+    match inside - outside {
+        fall if fall.is_finite() => (inside - iso) / fall,
+        _ => (0.5 * inside - 0.5 * iso) / (0.5 * inside - 0.5 * outside),
     }
 }
 

@@ -120,3 +120,63 @@ fn any_planes_leave_what_is_closed_and_none_or_all_of_it() {
     let linear = linear.clone().with_extract(linear.extract.with_placement(Placement::Linear));
     assert_eq!(all.triangles, ball().mesh(0.0, &linear, &Job::default()).unwrap().triangles);
 }
+
+/// Samples one apart with axes that are turned, the first of them at `origin`.
+fn turned(origin: f64, value: impl FnMut(u64) -> f32) -> Scan {
+    let columns = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]];
+    let affine = Affine::new(columns, [origin; 3]).unwrap();
+    let grid = Grid::new([24, 12, 10], Frame { index_to_world: affine, ..Frame::default() });
+    Scan::new(Volume::new(grid.unwrap(), (0..24 * 12 * 10).map(value).collect()).unwrap())
+}
+
+#[test]
+fn far_from_the_origin_cuts_are_where_they_should_as_far_as_numbers_tell() {
+    let job = Job::default();
+    for origin in [0.0, 1e4, 1e5, -3e5] {
+        let full = turned(origin, |_| 1.0);
+        let along = full.frame().index_to_world.columns()[0];
+        let at = full.frame().index_to_world.point([11.3, 0.0, 0.0]);
+        let plane = HalfSpace::new(along, dot(along, at)).unwrap();
+        let labels = turned(origin, |n| f32::from(u8::from(n % 24 < 12)));
+        let mask = full.mask(&labels, None, &job).unwrap();
+        let options = SurfaceOptions::default();
+        for (planes, mask, wall) in [(&[plane][..], None, 11.3), (&[], Some(&mask), 11.5)] {
+            let (mesh, told) = full.clipped_mesh(0.5, (planes, mask), &options, &job).unwrap();
+            let found = topology(&mesh, &job).unwrap();
+            assert_eq!(found.shortfalls(), [""; 0], "{origin}");
+            let inverse = |place| full.frame().index_to_world.inverse_point(place);
+            let mut on_wall = 0;
+            for place in mesh.positions.iter().map(inverse) {
+                // Within what f32 tells of places so far away.
+                assert!(place[0] < wall + 4e-7 * origin.abs() + 1e-5, "{origin}: {place:?}");
+                on_wall += u32::from(place[0] > 11.0 + told.margin);
+            }
+            assert_eq!(on_wall, 12 * 10, "{origin}: one on each row");
+        }
+    }
+}
+
+#[test]
+fn caps_on_the_border_look_outwards_and_what_is_infinite_is_cut_too() {
+    let (options, job) = (SurfaceOptions::default(), Job::default());
+    let mut state = 1_u32;
+    let noise = turned(0.0, |_| {
+        state = state.wrapping_mul(1664525).wrapping_add(1013904223);
+        (state >> 16) as f32
+    });
+    let cut = [HalfSpace::new([0.0, 0.0, 1.0], 7.5).unwrap()];
+    let (mesh, _) = noise.clipped_mesh(-1.0, (&cut, None), &options, &job).unwrap();
+    let middle = noise.frame().index_to_world.point([11.5, 5.5, 3.75]);
+    for (place, normal) in mesh.positions.iter().zip(mesh.normals.as_ref().unwrap()) {
+        let outward = [0, 1, 2].map(|k| place[k] - middle[k]);
+        assert!(dot(outward, normal.map(f64::from)) > 0.0, "{place:?} {normal:?}");
+    }
+    for greatest in [f32::INFINITY, f32::MAX] {
+        let block = turned(0.0, |n| if n % 24 < 15 { greatest } else { -greatest.min(f32::MAX) });
+        let along = block.frame().index_to_world.columns()[0];
+        let cut = [HalfSpace::new(along, 9.25).unwrap()];
+        let (mesh, _) = block.clipped_mesh(0.0, (&cut, None), &options, &job).unwrap();
+        let farthest = mesh.positions.iter().map(|place| dot(along, place)).fold(0.0, f64::max);
+        assert!((farthest - 9.25).abs() < 1e-5, "{greatest}: {farthest}");
+    }
+}

@@ -210,6 +210,50 @@ fn what_is_said_of_a_box_holds_for_all_places_in_it() {
 }
 
 #[test]
+fn places_halfway_between_samples_go_one_way_in_any_part_and_world() {
+    let job = Job::default();
+    let mut chance = Chance(3);
+    // Every second sample of the scan is halfway between two of the mask.
+    let place = ([0.7, 1.1, 0.3], [12.3, -4.1, 77.7]);
+    let all = scan([25, 21, 23], place, |_| 1.0_f32);
+    let steps = place.0.map(|step| 2.0 * step);
+    let blocks = scan([12, 10, 11], (steps, place.1), |_| chance.next(2) as u8);
+    let mask = all.mask(&blocks, None, &job).unwrap();
+    let kept = |mask: &Mask, first: f64| {
+        let numbers = (0..16 * 16 * 16).map(|n| [n % 16, n / 16 % 16, n / 256]);
+        let places = numbers.map(|ijk| ijk.map(|c| f64::from(c) + 1.0 - first));
+        places.map(|place| mask.keeps(place)).collect::<Vec<_>>()
+    };
+    let expected = kept(&mask, 0.0);
+    assert!(expected.contains(&true) && expected.contains(&false));
+    let later = |ijk: [f64; 3]| mask.keeps(ijk.map(|c| 2.0 * (0.5 * c + 0.5).floor()));
+    let numbers = (0..4096).map(|n| [n % 16, n / 16 % 16, n / 256].map(|c| f64::from(c) + 1.0));
+    assert!(numbers.zip(&expected).all(|(ijk, kept)| later(ijk) == *kept), "the later one");
+    for space in [TargetSpace::Lps, TargetSpace::Index] {
+        let placed = all.clone().placed(space).unwrap();
+        assert!(kept(&placed.mask(&blocks, None, &job).unwrap(), 0.0) == expected);
+    }
+    let part = all.cropped(&Region::parse_samples("1:,1:,1:").unwrap()).unwrap();
+    assert!(kept(&part.mask(&blocks, None, &job).unwrap(), 1.0) == expected);
+}
+
+#[test]
+fn of_a_lattice_that_no_number_holds_nothing_is_kept_and_nothing_promised() {
+    let far = scan([3; 3], ([1e-74; 3], [1e250; 3]), |_| 1_u8);
+    let mask = ball().mask(&far, None, &Job::default()).unwrap();
+    assert!(!mask.keeps([1.0; 3]));
+    assert_ne!(mask.side(&[0..9, 3..4, 2..20]), Side::Inside);
+}
+
+#[test]
+#[should_panic(expected = "a mask of the same part in the same place")]
+fn a_mask_of_another_part_is_refused() {
+    let mask = ball().mask(&ball(), None, &Job::default()).unwrap();
+    let part = ball().cropped(&Region::parse_samples("1:,1:,1:").unwrap()).unwrap();
+    masked(&part, 0.0, &mask);
+}
+
+#[test]
 fn parts_and_worlds_of_both_volumes_are_looked_through() {
     let job = Job::default();
     let half =
