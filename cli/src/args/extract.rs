@@ -8,6 +8,10 @@ use clap::Args;
 use isokit::pipeline::Region;
 use std::{num::NonZeroUsize, path::PathBuf};
 
+/// What does not go with surfaces that are cut.
+const NOT_WITH_CUTS: [&str; 7] =
+    ["max_memory", "refine", "max_error", "balance", "repeat", "repeat_warm", "placement"];
+
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -93,15 +97,13 @@ pub(crate) struct ExtractArgs {
     /// hole; of the surfaces that are named, or else of all. Vertices of what is cut are placed linearly, and diagonals are
     /// the table's. Repeat it for several planes. With --attribute of the volume itself the cut shows its values
     #[arg(long, value_name = "NX,NY,NZ,D[:NAME...]", allow_hyphen_values = true)]
-    #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
-    #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
+    #[arg(conflicts_with_all = NOT_WITH_CUTS, help_heading = "Part and place")]
     pub(crate) clip: Vec<ClipArg>,
     /// Keep only what lies where another volume, such as a segmentation, has one of --mask-values at its nearest sample,
     /// and close the holes. It may have any lattice in the same world, but of what is thinner than the samples of the
     /// volume pieces are missed; beyond it nothing is kept. Vertices and diagonals are as with --clip
     #[arg(long, value_name = "VOLUME")]
-    #[arg(conflicts_with_all = ["max_memory", "refine", "max_error", "balance", "repeat"])]
-    #[arg(conflicts_with_all = ["repeat_warm", "placement"], help_heading = "Part and place")]
+    #[arg(conflicts_with_all = NOT_WITH_CUTS, help_heading = "Part and place")]
     pub(crate) mask: Option<PathBuf>,
     /// The values that keep something, as the labels of organs [default: all but 0]
     #[arg(long, value_name = "V,V...", value_parser = values::finite, value_delimiter = ',')]

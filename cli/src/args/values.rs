@@ -41,12 +41,6 @@ pub(crate) fn spacing(text: &str) -> Result<Triple<f64>, String> {
         .ok_or_else(|| format!("expected one distance above 0, or three x,y,z, found {text:?}"))
 }
 
-/// A number, such as a label.
-pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| format!("expected a number, found {text:?}"))
-}
-
 /// A filter by its name in the field.
 pub(crate) fn filter(text: &str) -> Result<Filter, String> {
     let refusal = || {
@@ -164,6 +158,12 @@ pub(crate) fn count(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| format!("expected 1 or more, found {text}"))
 }
 
+/// A number, such as a label.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("expected a number, found {text:?}"))
+}
+
 /// A number that is not negative.
 pub(crate) fn distance(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
@@ -198,8 +198,7 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
 
 /// Any angle.
 pub(crate) fn angle(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| format!("expected degrees, found {text:?}"))
+    finite(text).map_err(|_| format!("expected degrees, found {text:?}"))
 }
 
 /// How many pictures are made on the way around.

@@ -27,7 +27,7 @@ use isokit::{
     pipeline::{Index, IsoChoice, Mask, PipelineError, Region, Remark, Scan, ScanFile},
     refine::{Refined, Subdivision},
 };
-use std::time::Instant;
+use std::{path::Path, time::Instant};
 
 pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<Exit> {
     let text = session.watching(|session| match (plan.shape, plan.max_memory) {
@@ -40,24 +40,38 @@ pub(crate) fn run(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<E
 }
 
 /// Reads the part that is looked at; to make an index, which is of the whole volume, all of that.
-fn read(plan: &ExtractPlan, session: &Session<'_, '_>) -> Result<Scan, PipelineError> {
-    let open = |region| ScanFile::open(&plan.input, &plan.volume, plan.space, region, &session.job);
-    let file = open(&plan.region)?;
+fn read(
+    plan: &ExtractPlan,
+    file: ScanFile,
+    session: &Session<'_, '_>,
+) -> Result<Scan, PipelineError> {
     match plan.index && file.lattice().is_cropped() && !file.has_index() {
-        true => Ok(open(&Region::Whole)?.read(&session.job)?.cropped(&plan.region)?),
+        true => {
+            let whole = open(plan, &Region::Whole, session)?;
+            Ok(whole.read(&session.job)?.cropped(&plan.region)?)
+        }
         false => file.read(&session.job),
     }
+}
+
+fn open(
+    plan: &ExtractPlan,
+    region: &Region,
+    session: &Session<'_, '_>,
+) -> Result<ScanFile, PipelineError> {
+    ScanFile::open(&plan.input, &plan.volume, plan.space, region, &session.job)
 }
 
 /// Makes and writes the mesh; the report comes back as text, empty if there is to be none.
 fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> {
     let (start, mut timings) = (Instant::now(), Timings::default());
-    if let Some(near) = near::open(plan, &mut timings, session)? {
-        return near::extract(plan, near, (start, timings), session);
-    }
     let attribute = attribute::open(&plan.color, plan.target.format, session)?;
     let mask = cut::open(plan, session)?;
-    let mut scan = timed(&mut timings.read, || read(plan, session))?;
+    let file = timed(&mut timings.read, || open(plan, &plan.region, session))?;
+    if let Some(near) = timed(&mut timings.index, || near::of(plan, &file, session)) {
+        return near::extract(plan, near, (start, timings), session);
+    }
+    let mut scan = timed(&mut timings.read, || read(plan, file, session))?;
     scan.notes().iter().for_each(|note| session.console.note(note));
     if plan.index {
         let found = timed(&mut timings.index, || scan.index(&session.job))?;
@@ -65,32 +79,58 @@ fn extract(plan: &ExtractPlan, session: &mut Session<'_, '_>) -> Result<String> 
     }
     let isos = isos(plan, |choice, job| scan.iso(choice, job), session)?;
     let mask = timed(&mut timings.read, || cut::mask(plan, mask, &scan, session))?;
-    let made = (&isos[..], mask.as_ref());
-    let (meshes, extracted) = meshes(plan, &scan, made, &mut timings, session)?;
+    let with = (&isos[..], mask.as_ref());
+    let (meshes, extracted) = meshes(plan, &scan, with, &mut timings, session)?;
     let mut surfaces = surfaces(&plan.levels, &isos, meshes);
     let refined = timed(&mut timings.mend, || refined(plan, &scan, &mut surfaces, session))?;
     let colors = timed(&mut timings.mend, || {
         color::color((&plan.color, attribute), &scan, &mut surfaces, session)
     })?;
-    for (((surface, extracted), refined), &iso) in
-        surfaces.iter().zip(&extracted).zip(&refined).zip(&isos)
-    {
+    let made = Made { surfaces, found: extracted.into_iter().zip(refined).collect(), colors };
+    for (surface, iso, (extracted, refined)) in made.each() {
         let remark = scan.remark(iso, extracted.counts, &plan.surface, &session.job)?;
         tell(plan, surface, remark, session);
         tell_singular(extracted, &surface.name, session);
         tell_refined(plan, refined, &surface.name, session);
     }
     let context = scan.context(session.command.as_str());
-    let written = timed(&mut timings.write, || write(plan, context, &surfaces, session))?;
+    let input = |job: &Job| Ok(VolumeFacts::of(&plan.input, &scan, &scan.statistics(job)?));
+    finish(plan, made, (context, input), (start, timings), session)
+}
+
+/// What was made of a volume or a shape.
+struct Made {
+    surfaces: Vec<Surface>,
+    /// Of each surface, in their order.
+    found: Vec<(Extracted, Refined)>,
+    colors: Option<ColorReport>,
+}
+
+impl Made {
+    /// Each surface with its isovalue.
+    fn each(&self) -> impl Iterator<Item = (&Surface, f64, &(Extracted, Refined))> {
+        let each = self.surfaces.iter().zip(&self.found);
+        each.map(|(surface, found)| (surface, surface.iso.unwrap_or(f64::NAN), found))
+    }
+}
+
+/// Writes what was made. `input` is asked for what there is to say of the volume only where that is said.
+fn finish(
+    plan: &ExtractPlan,
+    made: Made,
+    (context, input): (MeshContext, impl FnOnce(&Job) -> Result<VolumeFacts, PipelineError>),
+    (start, mut timings): (Instant, Timings),
+    session: &mut Session<'_, '_>,
+) -> Result<String> {
+    let written = timed(&mut timings.write, || write(plan, context, &made.surfaces, session))?;
     timings.total = start.elapsed().as_secs_f64();
     tell_written(&written, &timings, session);
+    let isos: Vec<f64> = made.each().map(|(_, iso, _)| iso).collect();
     dump_scene(plan, &isos, session)?;
     if plan.report.is_none() && !session.console.is_verbose() {
         return Ok(String::new());
     }
-    let found: Vec<_> = extracted.into_iter().zip(refined).collect();
-    let input = VolumeFacts::of(&plan.input, &scan, &scan.statistics(&session.job)?);
-    report(plan, input, &surfaces, &written, (&found, colors, timings), session)
+    report(input(&session.job)?, (plan, made), (&written, timings), session)
 }
 
 /// Writes what was made as a scene, if that is wanted.
@@ -116,6 +156,17 @@ pub(super) fn tell_written(written: &Written, timings: &Timings, session: &Sessi
         "read {read:.3} s, index {index:.3} s, extract {extract:.3} s, mend {mend:.3} s, \
          write {write:.3} s, total {total:.3} s"
     ));
+}
+
+/// Says what is to be known of another file.
+fn tell_notes(
+    path: &Path,
+    notes: impl IntoIterator<Item = impl AsRef<str>>,
+    session: &Session<'_, '_>,
+) {
+    let name = path.display();
+    let notes = notes.into_iter();
+    notes.for_each(|note| session.console.note(&format!("{name}: {}", note.as_ref())));
 }
 
 /// Says where the index is, if that is new.
@@ -285,16 +336,14 @@ fn write(
 }
 
 fn report(
-    plan: &ExtractPlan,
     input: VolumeFacts,
-    surfaces: &[Surface],
-    written: &Written,
-    (found, vertex_colors, timings_s): (&[(Extracted, Refined)], Option<ColorReport>, Timings),
+    (plan, made): (&ExtractPlan, Made),
+    (written, timings_s): (&Written, Timings),
     session: &Session<'_, '_>,
 ) -> Result<String> {
     let peak_rss_bytes = peak_rss_bytes(); // of the work, not of the report
     let mut of_surfaces = vec![];
-    for (surface, (extracted, refined)) in surfaces.iter().zip(found) {
+    for (surface, _, (extracted, refined)) in made.each() {
         let topology = topology(&surface.mesh, &session.job)?;
         let counts = sentence(&MeshCounts::of(&topology));
         session.console.detail(&format!("{}: {counts}", surface.name));
@@ -308,11 +357,11 @@ fn report(
         command: &session.command,
         input,
         surfaces: of_surfaces,
-        vertex_colors,
+        vertex_colors: made.colors,
         outputs: &written.files,
         warnings: &written.warnings,
         merged_vertices: written.merged_vertices,
-        skipped: found.first().map_or(Skipped::default(), |(one, _)| one.skipped).into(),
+        skipped: made.found.first().map_or(Skipped::default(), |(one, _)| one.skipped).into(),
         timings_s,
         threads: session.job.threads.count(),
         simd: simd(),

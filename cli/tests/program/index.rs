@@ -214,6 +214,36 @@ fn with_a_kept_index_rows_far_from_the_surfaces_are_not_even_read() {
 }
 
 #[test]
+fn with_a_kept_index_nan_and_empty_surfaces_are_told_as_without() {
+    let folder = Folder::new();
+    let volume = large(&folder);
+    let mut bytes = fs::read(folder.path("large.raw")).unwrap();
+    bytes[400..404].copy_from_slice(&f32::NAN.to_le_bytes());
+    fs::write(folder.path("hole.raw"), bytes).unwrap();
+    let hole = volume.replace("large", "hole");
+    for line in [
+        format!("{hole} --iso 0"),
+        format!("{hole} --iso 0 --nan outside -o -"),
+        format!("{hole} --iso 0 --nan mask -v"),
+        format!("{volume} --iso 0 -o - --format glb"),
+        format!("{volume} --iso 999"),
+        format!("{volume} --iso 999 --roi 3:,:,:"),
+    ] {
+        let run = |more: &str| {
+            let out = if line.contains("-o -") { "" } else { "-o a.ply" };
+            let ran = folder.run(&format!("extract {line} {out} {more}"));
+            let told = |said: &&str| {
+                !["index", "read ", "note: index"].iter().any(|word| said.starts_with(word))
+            };
+            let said: Vec<_> = ran.err.lines().filter(told).map(str::to_owned).collect();
+            (ran.exit, ran.out, said)
+        };
+        let plain = run("");
+        assert!(run("--index") == plain && run("--index") == plain, "{line}: {:?}", plain.2);
+    }
+}
+
+#[test]
 fn what_looks_at_samples_elsewhere_too_reads_all_of_them() {
     let folder = Folder::new();
     let volume = large(&folder);
@@ -221,6 +251,7 @@ fn what_looks_at_samples_elsewhere_too_reads_all_of_them() {
         "--iso 0 --refine 1 --balance",
         "--iso 0 --max-error 0.1",
         "--iso 0 --texture wood",
+        "--iso 0 --clip 0,0,1,90",
         "--iso 0 --iso 90%",
         "--iso auto --normals area",
         "--iso 0 --iso -90",

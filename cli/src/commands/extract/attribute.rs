@@ -1,5 +1,6 @@
 //! Values or colours of another volume at the vertices.
 
+use super::tell_notes;
 use crate::{
     Session,
     commands::NEUTRAL,
@@ -66,7 +67,7 @@ pub(super) fn values(
     let other = Scan::open(path, &options, space, &Region::Whole, &session.job)?;
     let name = path.display();
     let notes = other.notes().iter().cloned().chain(scan.differences(&other));
-    notes.for_each(|note| session.console.note(&format!("{name}: {note}")));
+    tell_notes(path, notes, session);
     let (mut range, mut vertices, mut without): (Option<[f64; 2]>, _, _) = (None, 0, 0);
     for surface in surfaces {
         let values = scan.attribute(&surface.mesh, &other, between, &session.job)?;
@@ -103,7 +104,7 @@ pub(super) fn colors(
 ) -> Result<AttributeReport> {
     let (name, channels) = (path.display(), file.channels());
     let notes = file.notes().iter().cloned().chain(scan.differences_from(&file.grid().frame));
-    notes.for_each(|note| session.console.note(&format!("{name}: {note}")));
+    tell_notes(path, notes, session);
     let volume = file.collect(&session.job)?;
     let (mut vertices, mut without) = (0, 0);
     for surface in surfaces {

@@ -1,5 +1,6 @@
 //! What planes and another volume leave of surfaces.
 
+use super::tell_notes;
 use crate::{
     Session,
     fault::CallerError,
@@ -18,8 +19,7 @@ pub(super) fn open(plan: &ExtractPlan, session: &Session<'_, '_>) -> Result<Opti
     let Some((path, _)) = &plan.mask else { return Ok(None) };
     let (options, space) = (VolumeOptions::default(), TargetSpace::Source);
     let file = ScanFile::open(path, &options, space, &Region::Whole, &session.job)?;
-    let name = path.display();
-    file.notes().iter().for_each(|note| session.console.note(&format!("{name}: {note}")));
+    tell_notes(path, file.notes(), session);
     Ok(Some(file))
 }
 
@@ -31,9 +31,8 @@ pub(super) fn mask(
     session: &Session<'_, '_>,
 ) -> Result<Option<Mask>> {
     let (Some((path, values)), Some(file)) = (&plan.mask, file) else { return Ok(None) };
-    let (name, other) = (path.display(), file.read(&session.job)?);
-    let differences = scan.differences(&other);
-    differences.iter().for_each(|note| session.console.note(&format!("{name}: {note}")));
+    let other = file.read(&session.job)?;
+    tell_notes(path, scan.differences(&other), session);
     let chosen = (!values.is_empty()).then_some(&values[..]);
     let mask = scan.mask(&other, chosen, &session.job).map_err(PipelineError::from)?;
     if mask.count() > 0 {
@@ -47,7 +46,7 @@ pub(super) fn mask(
         Some([least, greatest]) => format!("the samples range from {least} to {greatest}"),
         None => "all are NaN".into(),
     };
-    let message = format!("{name}: no sample has {expected}: {found}");
+    let message = format!("{}: no sample has {expected}: {found}", path.display());
     Err(CallerError { message, advice }.into())
 }
 

@@ -1,8 +1,6 @@
 //! `extract` of a shape: from a file that describes it to a mesh, with samples only near its surface.
 
-use super::{
-    color::pattern, report, surfaces, tell_counts, tell_refined, tell_singular, tell_written, write,
-};
+use super::{Made, color::pattern, finish, surfaces, tell_counts, tell_refined, tell_singular};
 use crate::{
     Session,
     plan::{ExtractPlan, LevelPlan},
@@ -14,6 +12,7 @@ use anyhow::Result;
 use isokit::{
     field::FieldSamples,
     io::MeshContext,
+    job::Job,
     marching_cubes::Skipped,
     mesh::{Surface, TriMesh},
     pipeline::{refine_on, sparse_meshes_into},
@@ -47,7 +46,8 @@ pub(super) fn extract(
         surfaces.iter_mut().map(&mut refine).collect::<Result<Vec<_>, _>>()
     })?;
     let colors = (!plan.color.is_empty()).then(|| pattern(&plan.color, &mut surfaces));
-    for ((surface, extracted), refined) in surfaces.iter().zip(&extracted).zip(&refined) {
+    let made = Made { surfaces, found: extracted.into_iter().zip(refined).collect(), colors };
+    for (surface, _, (extracted, refined)) in made.each() {
         tell_counts(surface, session);
         tell_refined(plan, refined, &surface.name, session);
         let Skipped { bricks, bricks_skipped, samples_read } = extracted.skipped;
@@ -61,13 +61,6 @@ pub(super) fn extract(
     }
     let (unit, space) = (grid.frame.unit, grid.frame.space);
     let context = MeshContext { unit, space, command: session.command.clone(), gltf_unit: None };
-    let written = timed(&mut timings.write, || write(plan, context, &surfaces, session))?;
-    timings.total = start.elapsed().as_secs_f64();
-    tell_written(&written, &timings, session);
-    if plan.report.is_none() && !session.console.is_verbose() {
-        return Ok(String::new());
-    }
-    let found: Vec<_> = extracted.into_iter().zip(refined).collect();
-    let input = VolumeFacts::of_shape(&plan.input, &grid);
-    report(plan, input, &surfaces, &written, (&found, colors, timings), session)
+    let input = |_: &Job| Ok(VolumeFacts::of_shape(&plan.input, &grid));
+    finish(plan, made, (context, input), (start, timings), session)
 }

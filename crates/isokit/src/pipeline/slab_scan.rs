@@ -179,6 +179,13 @@ impl SlabScan {
         Ok(found)
     }
 
+    /// The same where such a file is there and is of the volume as it is. None, and no sample read, if not.
+    pub fn kept_index(&mut self) -> Option<Index> {
+        let file = self.scan.file.bricks().ok()?;
+        self.bricks = Some(for_dtype!(self.dtype(), T => file.read::<T>().ok()?.into()));
+        Some(Index::Read(file.path().to_owned()))
+    }
+
     /// Whether an [index](Self::index) tells that surfaces go through so few bricks, an eighth at the most, that they are
     /// sooner made with it.
     pub fn is_sparse(&self, isos: &[f64]) -> bool {
@@ -286,14 +293,9 @@ impl SlabScan {
         meshes: &mut [TriMesh],
         job: &Job,
     ) -> Result<Vec<Extracted>, PipelineError> {
-        meshes.iter_mut().for_each(|mesh| options.prepare(mesh));
-        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
         let budget = self.budget(u64::MAX, (isos.len() as u64, 1), options)?;
         let budget = Budget { piece_bytes: u64::MAX, ..budget };
-        let found = self.meshes_into(isos, options, budget, &mut sinks, job)?;
-        drop(sinks);
-        meshes.iter_mut().try_for_each(|mesh| options.finish(mesh, job))?;
-        Ok(found)
+        options.fill(meshes, job, |sinks| self.meshes_into(isos, options, budget, sinks, job))
     }
 
     /// Range and NaN, if an index tells them.

@@ -25,11 +25,8 @@ pub fn sparse_meshes_into<T: Sample>(
     job: &Job,
 ) -> Result<Vec<Extracted>, PipelineError> {
     assert_eq!(isos.len(), meshes.len(), "one mesh per isovalue");
-    let one = |(&iso, mesh): (&f64, &mut TriMesh)| {
-        options.prepare(mesh);
-        let extracted = extract_sparse(source, iso, &options.extract, &mut mesh.refill(), job)?;
-        options.finish(mesh, job)?;
-        Ok(extracted)
-    };
-    isos.iter().zip(meshes).map(one).collect()
+    options.fill(meshes, job, |sinks| {
+        let one = |(&iso, sink)| extract_sparse(source, iso, &options.extract, sink, job);
+        Ok(isos.iter().zip(sinks).map(one).collect::<Result<_, _>>()?)
+    })
 }

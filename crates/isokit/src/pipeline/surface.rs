@@ -3,7 +3,7 @@
 use crate::pipeline::PipelineError;
 use isokit_job::Job;
 use isokit_marching_cubes::{Diagonals, ExtractOptions, Gradient};
-use isokit_mesh::{TriMesh, area_normals};
+use isokit_mesh::{Refill, TriMesh, area_normals};
 use isokit_refine::RefineOptions;
 
 /// Which normals the vertices get.
@@ -66,6 +66,19 @@ impl SurfaceOptions {
             }
             _ => drop(mesh.normals.get_or_insert_default()),
         }
+    }
+
+    /// Fills meshes, each in its own memory, with what `extract` hands to their sinks, and the normals that are wanted.
+    pub(crate) fn fill<R>(
+        &self,
+        meshes: &mut [TriMesh],
+        job: &Job,
+        extract: impl FnOnce(&mut Vec<Refill<'_>>) -> Result<R, PipelineError>,
+    ) -> Result<R, PipelineError> {
+        meshes.iter_mut().for_each(|mesh| self.prepare(mesh));
+        let found = extract(&mut meshes.iter_mut().map(TriMesh::refill).collect())?;
+        meshes.iter_mut().try_for_each(|mesh| self.finish(mesh, job))?;
+        Ok(found)
     }
 
     /// Gives what was extracted the normals that are wanted.

@@ -8,7 +8,8 @@ use isokit_volume::{Points, Sample, View, for_any};
 use rayon::prelude::*;
 
 /// Which places of a part of a scan another volume keeps: those whose nearest sample there has one of some values, such as
-/// the label of an organ. Of two samples as near it is the later one. What is farther than half a sample outside of that volume
+/// the label of an organ. Of two samples as near it is the later one, where sample
+/// numbers are rounded to 2⁻²⁴. What is farther than half a sample outside of that volume
 /// is not kept.
 ///
 /// [`Scan::mask`] makes it, of the part that is looked at, and where the scan is [placed](Scan::placed).

@@ -71,18 +71,16 @@ impl Scan {
         meshes: &mut [TriMesh],
         job: &Job,
     ) -> Result<Vec<Extracted>, PipelineError> {
-        meshes.iter_mut().for_each(|mesh| options.prepare(mesh));
-        let mut sinks: Vec<_> = meshes.iter_mut().map(TriMesh::refill).collect();
-        let extracted = for_any!(&self.volume, volume => {
-            let view = self.part_of(volume, part);
-            let known = self.known(volume, part, isos);
-            let source = known.as_deref().and_then(|bricks| Source::with_bricks(&view, bricks));
-            let source = source.unwrap_or(Source::from(&view));
-            extract_many(source, isos, &options.extract, &mut sinks, job)
-        });
-        let mut extracted = extracted.map_err(|error| in_whole(error, part))?;
-        drop(sinks);
-        meshes.iter_mut().try_for_each(|mesh| options.finish(mesh, job))?;
+        let mut extracted = options.fill(meshes, job, |sinks| {
+            let extracted = for_any!(&self.volume, volume => {
+                let view = self.part_of(volume, part);
+                let known = self.known(volume, part, isos);
+                let source = known.as_deref().and_then(|bricks| Source::with_bricks(&view, bricks));
+                let source = source.unwrap_or(Source::from(&view));
+                extract_many(source, isos, &options.extract, sinks, job)
+            });
+            Ok(extracted.map_err(|error| in_whole(error, part))?)
+        })?;
         if let Some(bricks) = &self.bricks {
             // Of an index that was left aside no brick is skipped.
             let bricks = index::bricks_of_part(bricks, &self.within(part));
