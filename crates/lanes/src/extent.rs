@@ -3,7 +3,7 @@
 //! The loop is written once and compiled again with wider registers allowed, but for floats with AVX2. It keeps 64
 //! columns side by side, so that no step waits for the one before; they are put together only at the end of a block.
 
-use crate::{Lane, Level, Threshold, WORD, words};
+use crate::{Lane, Level, Threshold, WORD, prefetch::prefetch_ahead, words};
 use std::ops::Range;
 
 #[cfg(target_arch = "x86_64")]
@@ -158,14 +158,19 @@ fn add_row_at<T: Lane>(level: Level, row: &[T], columns: &mut [Columns<T>]) {
             // SAFETY: as above.
             unsafe { wide::add_row_avx2(row, columns) }
         }
-        _ => add_row_plain(row, columns),
+        _ => add_row_plain::<T, 0>(row, columns),
     }
 }
 
+/// The loop of the lowest level, which the compiler makes as wide as it may, and asks for what lies so many bytes
+/// ahead, if that is not 0.
 #[inline(always)]
-fn add_row_plain<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
+fn add_row_plain<T: Lane, const AHEAD: usize>(row: &[T], columns: &mut [Columns<T>]) {
     let (whole, rest) = row.as_chunks::<WORD>();
     for (samples, columns) in whole.iter().zip(&mut *columns) {
+        if AHEAD > 0 {
+            prefetch_ahead::<AHEAD, _>(samples);
+        }
         columns.take(samples);
     }
     if let (Some(samples), Some(columns)) = (padded(rest), columns.last_mut()) {

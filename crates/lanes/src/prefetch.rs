@@ -8,7 +8,6 @@ pub fn prefetch<T>(samples: &[T]) {
 
 /// Asks for what lies so many bytes ahead of samples, into the second cache: the machine's own prefetchers stop at the end of
 /// every page of 4 KiB.
-#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(crate) fn prefetch_ahead<const BYTES: usize, T>(samples: &[T]) {
     ask::<SECOND, T>(samples, BYTES);

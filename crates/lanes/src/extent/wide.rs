@@ -1,12 +1,16 @@
 //! The loop with wider registers.
 
 use super::{Columns, add_row_plain, padded};
-use crate::{Lane, WORD, prefetch::prefetch_ahead, signs::avx2::AHEAD};
+use crate::{
+    Lane, WORD,
+    prefetch::prefetch_ahead,
+    signs::{avx2::AHEAD, avx512},
+};
 use std::{any::TypeId, arch::x86_64::*, slice};
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl,avx512dq")]
 pub(super) fn add_row_avx512<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
-    add_row_plain(row, columns);
+    add_row_plain::<T, { avx512::AHEAD }>(row, columns);
 }
 
 /// With loops of their own for floats, of which the compiler would store each that changes by a mask: row `index` of
@@ -19,7 +23,7 @@ pub(super) fn add_row_avx2<T: Lane>(row: &[T], columns: &mut [Columns<T>]) {
     if let Some((row, columns)) = as_type(row, columns) {
         return add_f64(row, columns);
     }
-    add_row_plain(row, columns);
+    add_row_plain::<T, AHEAD>(row, columns);
 }
 
 /// The same row and columns, if their type is `U`.

@@ -4,8 +4,8 @@ use super::Strided;
 use crate::prefetch::prefetch_ahead;
 use std::arch::x86_64::*;
 
-/// Bytes from the samples at hand to those that are asked for: row `classify` of `scripts/bench`, on a Xeon.
-const AHEAD: usize = 2560;
+/// Bytes from the samples at hand to those that are asked for: rows `classify` and `index` of `scripts/bench`, on a Xeon.
+pub(crate) const AHEAD: usize = 2560;
 
 /// A module for one type of sample, with the row loops `at_least` and `at_most`. Each word of
 /// samples, which stays in the cache, is compared with every bound.
