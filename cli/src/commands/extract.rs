@@ -308,12 +308,13 @@ fn tell_counts(surface: &Surface, session: &Session<'_, '_>) {
 fn tell(plan: &ExtractPlan, surface: &Surface, remark: Option<Remark>, session: &Session<'_, '_>) {
     tell_counts(surface, session);
     let is_empty = surface.mesh.triangles.is_empty();
+    let is_cut = plan.is_cut(&surface.name);
     let says = match remark {
         Some(remark @ (Remark::AllOutside { .. } | Remark::AllNan)) => remark.to_string(),
-        _ if plan.cuts() && is_empty => {
+        _ if is_cut && is_empty => {
             format!("{}: what is kept of the volume holds nothing of it", surface.name)
         }
-        Some(remark) if !plan.cuts() => remark.to_string(),
+        Some(remark) if !is_cut => remark.to_string(),
         _ => return,
     };
     session.console.warn(&says);

@@ -2,7 +2,7 @@
 
 use super::{ColorPlan, MeshTarget, Stream, TextTarget, palette, places::Places};
 use crate::{
-    args::{ClipArg, DiagonalsArg, ExtractArgs, LevelArg, PlacementArg, SpaceArg},
+    args::{ClipArg, ExtractArgs, LevelArg, PlacementArg, SpaceArg},
     fault::UsageError,
     shape_file::is_shape,
 };
@@ -116,7 +116,8 @@ impl ExtractPlan {
         check_refine(&refine, &surface)?;
         let volume = args.volume.options();
         check_scene(&args)?;
-        check_cuts(&args)?;
+        let are_cut = args.mask.is_some() || args.clip.iter().any(|clip| clip.surfaces.is_none());
+        check_cuts(&surface, are_cut)?;
         let color = ColorPlan::new(args.color, &target)?;
         if args.max_memory.is_some() {
             check_slabs(&target, &volume, (&surface, &refine, &color), repeat)?;
@@ -159,13 +160,21 @@ impl ExtractPlan {
                 "--clip: expected the name of a surface, {}, found {name:?}",
                 names.join(" or ")
             ))),
-            None => self.check_files(isos),
+            None => {
+                check_cuts(&self.surface, names.iter().all(|name| self.is_cut(name)))?;
+                self.check_files(isos)
+            }
         }
     }
 
     /// Whether something is cut away.
     pub(crate) fn cuts(&self) -> bool {
         !self.clips.is_empty() || self.mask.is_some()
+    }
+
+    /// Whether something is cut away of a surface.
+    pub(crate) fn is_cut(&self, name: &str) -> bool {
+        self.mask.is_some() || !self.halves_of(name).is_empty()
     }
 
     /// What planes keep of a surface.
@@ -278,17 +287,19 @@ fn check_refine(refine: &RefineOptions, surface: &SurfaceOptions) -> Result<(), 
     }
 }
 
-/// What has no effect on surfaces that are cut.
-fn check_cuts(args: &ExtractArgs) -> Result<(), UsageError> {
-    let cuts_all = args.mask.is_some() || args.clip.iter().any(|clip| clip.surfaces.is_none());
-    match args.diagonals {
-        DiagonalsArg::Fitted if cuts_all => Err(UsageError(
-            "--diagonals fitted: surfaces that are cut have the table's diagonals: leave out either it or --clip and \
-             --mask"
-                .into(),
-        )),
-        _ => Ok(()),
-    }
+/// What has no effect on surfaces that are cut, if all are.
+fn check_cuts(surface: &SurfaceOptions, are_cut: bool) -> Result<(), UsageError> {
+    let says = match (surface.extract.diagonals, surface.extract.degenerate) {
+        _ if !are_cut => return Ok(()),
+        (Diagonals::Fitted, _) => {
+            "--diagonals fitted: surfaces that are cut have the table's diagonals"
+        }
+        (_, Degenerate::Exact) => {
+            "--degenerate exact: triangles of surfaces that are cut have an area"
+        }
+        _ => return Ok(()),
+    };
+    Err(UsageError(format!("{says}: leave out either it or --clip and --mask")))
 }
 
 /// What a scene cannot say.

@@ -97,6 +97,16 @@ fn of_a_volume_that_is_all_inside_a_mask_tells_what_is_left() {
 }
 
 #[test]
+fn of_surfaces_that_no_plane_names_the_remarks_stay() {
+    let folder = folder();
+    let line = "--iso 50:core --iso -9999:all --clip 1,0,0,20:core";
+    let ran = folder.done(&format!("extract ball.nii {line} -o a.stl"));
+    assert!(ran.err.contains("the surface is the box of the volume"), "{}", ran.err);
+    let ran = folder.done(&format!("extract ball.nii {line} --boundary open -o a.stl"));
+    assert!(ran.err.contains("warning") && !ran.err.contains("what is kept"), "{}", ran.err);
+}
+
+#[test]
 fn a_mask_that_is_not_there_is_told_before_the_volume_is_read() {
     let folder = folder();
     let ran = folder.run("extract ball.nii --iso 50 --index --mask none.nii -o a.stl");
@@ -120,6 +130,9 @@ fn what_does_not_go_with_a_mask_is_said() {
         ("--mask detached.nhdr --report detached.raw", "are the same file"),
         ("--mask labels.nii --diagonals fitted", "leave out either it or --clip and --mask"),
         ("--clip 1,0,0,5 --diagonals fitted", "leave out either it or --clip and --mask"),
+        ("--clip 1,0,0,5:iso_50 --diagonals fitted", "leave out either it or --clip and --mask"),
+        ("--mask labels.nii --degenerate exact", "--degenerate exact: triangles of surfaces that"),
+        ("--clip 1,0,0,5 --degenerate exact", "leave out either it or --clip and --mask"),
     ] {
         let ran = folder.run(&format!("extract ball.nii --iso 50 {line} -o a.stl"));
         assert!(ran.exit == Exit::Usage && ran.err.contains(says), "{line}: {}", ran.err);

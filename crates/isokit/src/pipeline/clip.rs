@@ -20,7 +20,7 @@ use isokit_geom::{
 };
 use isokit_job::{CHUNK, Cancelled, Job};
 use isokit_lanes::exactly;
-use isokit_marching_cubes::{Diagonals, Extracted, Placement};
+use isokit_marching_cubes::{Degenerate, Diagonals, Extracted, Placement};
 use isokit_mesh::{Positions, TriMesh, area_normals};
 use isokit_volume::{Sample, for_any};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ use samples::{Clipped, Fall, Through, cuts};
 impl Scan {
     /// The surface where the value is `iso`, of what all planes and a [mask](Self::mask) keep, closed where they cut.
     ///
-    /// Where there are any vertices are placed linearly and diagonals are the table's, whatever the
+    /// Where there are any vertices are placed linearly, diagonals are the table's and triangles have an area, whatever the
     /// options say. What is left of the samples is held a few slices at a time; with an [index](Self::index) only near
     /// the surface, if that goes through an eighth of the bricks at the most. With neither it is the surface as it is.
     ///
@@ -68,7 +68,8 @@ impl Scan {
         assert!(fits, "a mask of the same part in the same place");
         let range = self.statistics(job)?.range.unwrap_or([iso, iso]);
         let linear = options.extract.clone().with_placement(Placement::Linear);
-        let linear = linear.with_diagonals(Diagonals::Table); // vertices are still to be moved
+        // Vertices are still to be moved, along an edge that is theirs alone.
+        let linear = linear.with_diagonals(Diagonals::Table).with_degenerate(Degenerate::Never);
         let options = options.clone().with_extract(linear);
         let extracted = for_any!(self.volume(), volume => {
             let view = self.view(volume);

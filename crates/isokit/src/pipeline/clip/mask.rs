@@ -8,9 +8,8 @@ use isokit_volume::{Points, Sample, View, for_any};
 use rayon::prelude::*;
 
 /// Which places of a part of a scan another volume keeps: those whose nearest sample there has one of some values, such as
-/// the label of an organ. Of two samples as near it is the later one, where sample
-/// numbers are rounded to 2⁻²⁴. What is farther than half a sample outside of that volume
-/// is not kept.
+/// the label of an organ. Of two samples as near it is the later one; places in terms of samples are rounded to 2⁻²⁴
+/// for that. What is farther than half a sample outside of that volume is not kept.
 ///
 /// [`Scan::mask`] makes it, of the part that is looked at, and where the scan is [placed](Scan::placed).
 #[derive(Clone, Debug)]
@@ -18,14 +17,14 @@ pub struct Mask {
     /// One bit for each sample of the other volume, in words that begin with each row.
     bits: Vec<u64>,
     dims: [usize; 3],
-    /// For each axis of the other volume, how its sample number changes with those of the scan's part, and where it begins: in
-    /// whole [`FINEST`], so that sums are exact and places halfway between samples go one way.
+    /// For each axis of the other volume, how its sample number changes with those of the scan's part, and where it begins.
     rows: [(Vector, f64); 3],
     /// Where the scan is.
     of: Lattice,
 }
 
-/// What sample numbers are rounded to.
+/// What sample numbers are rounded to, so that places halfway between samples go one way. What sums of products lose is
+/// far less.
 const FINEST: f64 = 1.0 / (1 << 24) as f64;
 
 impl Scan {
@@ -44,7 +43,10 @@ impl Scan {
             *start += dot(*step, first) - skipped;
         }
         let mut sorted = values.map(<[f64]>::to_vec);
-        sorted.iter_mut().for_each(|all| all.sort_by(f64::total_cmp));
+        if let Some(all) = &mut sorted {
+            all.retain(|value| !value.is_nan());
+            all.sort_by(f64::total_cmp);
+        }
         for_any!(other.volume(), volume => {
             let view = other.view(volume);
             let bits = bits(&view, sorted.as_deref(), job)?;
@@ -55,10 +57,9 @@ impl Scan {
 
 /// Sample numbers of another volume as sums over those of the scan, of which `at` tells them.
 fn rows(at: impl Fn(Vector) -> Vector) -> [(Vector, f64); 3] {
-    let rounded = |number: f64| (number / FINEST).round() * FINEST;
     let start = at([0.0; 3]);
     let ends = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(at);
-    std::array::from_fn(|k| (ends.map(|end| rounded(end[k] - start[k])), rounded(start[k])))
+    std::array::from_fn(|k| (ends.map(|end| end[k] - start[k]), start[k]))
 }
 
 /// Which samples have one of the values, which are sorted.
@@ -115,6 +116,7 @@ impl Mask {
     /// Whether a place in the index space of the scan's part is kept.
     pub(super) fn keeps(&self, ijk: Vector) -> bool {
         let at = self.rows.map(|(step, start)| start + dot(step, ijk));
+        let at = at.map(|number| (number / FINEST).round() * FINEST);
         let last = self.dims.map(|n| n as f64 - 1.0);
         (0..3).all(|k| at[k] >= -0.5 && at[k] <= last[k] + 0.5)
             && self.bit([0, 1, 2].map(|k| (at[k].clamp(0.0, last[k]) + 0.5).floor() as usize))

@@ -1,7 +1,7 @@
 //! Balls, waves and noise that planes cut.
 
 use super::{
-    Placement,
+    Degenerate, Placement,
     samples::{Clipped, Fall, WINDOW, cuts},
 };
 use crate::pipeline::{Scan, SurfaceOptions};
@@ -66,6 +66,21 @@ fn a_ball_that_a_plane_cuts_is_closed_and_flat_there_with_the_volume_of_its_cap(
         assert!(f64::from(on) > 0.5 * circle, "{on} of {circle}");
         assert!(area < 0.02 * normals.len() as f64, "{area} of {}", normals.len());
     }
+}
+
+#[test]
+fn a_cut_is_flat_also_where_samples_are_the_isovalue_and_vertices_may_lie_on_them() {
+    let grid = Grid::new([24, 9, 9], Frame::default()).unwrap();
+    let block = Scan::new(Volume::new(grid, vec![100_u8; 24 * 81]).unwrap());
+    let plane = [HalfSpace::new([1.0, 0.0, 0.0], 11.3).unwrap()];
+    let exact = SurfaceOptions::default().extract.with_degenerate(Degenerate::Exact);
+    let options = SurfaceOptions::default().with_extract(exact);
+    let (mesh, _) = block.clipped_mesh(100.0, (&plane, None), &options, &Job::default()).unwrap();
+    assert_eq!(topology(&mesh, &Job::default()).unwrap().shortfalls(), [""; 0]);
+    let most = mesh.bounds().unwrap().max[0];
+    assert!((most - 11.3).abs() < 1e-5, "{most}");
+    let wall = mesh.positions.iter().filter(|place| (place[0] - 11.3).abs() < 1e-5).count();
+    assert_eq!(wall, 81, "a vertex on each row of samples");
 }
 
 #[test]

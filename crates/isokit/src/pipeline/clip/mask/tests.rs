@@ -76,7 +76,7 @@ fn a_label_is_a_solid_of_its_own_however_its_neighbours_are_called() {
         let away = [bounds.min[0] - from, bounds.max[0] - 12.5].map(f64::abs);
         assert!(away.iter().all(|away| *away < 2e-3), "{bounds:?}");
     }
-    let mask = labels.mask(&labels, Some(&[4.0, f64::NAN]), &job).unwrap();
+    let mask = labels.mask(&labels, Some(&[4.0, f64::NAN, -f64::NAN]), &job).unwrap();
     assert_eq!((mask.count(), masked(&labels, 0.5, &mask).triangles.len()), (0, 0));
 }
 
@@ -235,6 +235,35 @@ fn places_halfway_between_samples_go_one_way_in_any_part_and_world() {
     }
     let part = all.cropped(&Region::parse_samples("1:,1:,1:").unwrap()).unwrap();
     assert!(kept(&part.mask(&blocks, None, &job).unwrap(), 1.0) == expected);
+}
+
+#[test]
+fn places_halfway_go_to_the_later_sample_whatever_the_ratio_of_steps() {
+    let job = Job::default();
+    // In steps of sixtieths both volumes have whole numbers.
+    for [own, other] in [[50, 60], [5, 60], [10, 60], [42, 12], [20, 24], [7, 2], [30, 60]] {
+        let steps = [own, other].map(|step: i64| [step as f64 / 60.0, 1.0, 1.0]);
+        let first = [7.3, 0.0, 0.0];
+        let count = 40 * other / own;
+        let all = scan([count as u64 + 1, 2, 2], (steps[0], first), |_| 1_f32);
+        let mut at = 0;
+        let odd = scan([40, 2, 2], (steps[1], first), |_| {
+            at += 1;
+            u8::from(at % 2 == 0)
+        });
+        let mask = all.mask(&odd, None, &job).unwrap();
+        let mut halfway = 0;
+        for i in 0..=count {
+            // Halfway is rounded up.
+            let nearest = (2 * i * own + other).div_euclid(2 * other);
+            halfway += i64::from((2 * i * own + other) % (2 * other) == 0);
+            let expected = nearest < 40 && nearest % 2 == 1;
+            if 2 * i * own <= 79 * other - other {
+                assert_eq!(mask.keeps([i as f64, 0.0, 0.0]), expected, "{i} of {own}/{other}");
+            }
+        }
+        assert!(halfway > 2, "{halfway} of {own}/{other}");
+    }
 }
 
 #[test]
