@@ -117,8 +117,8 @@ pub(crate) struct ExtractArgs {
     /// Keep in FILE.bricks, beside the volume, where which values occur, and skip what has no surface. Once it is kept, rows
     /// far from surfaces that are in few bricks are not even read, unless other options look there: --clip, --mask,
     /// --refine, --max-error, --balance, --attribute, --texture, --repeat, an isovalue that is to be found, NaN that is not
-    /// let outside, a report or -v on a part or on samples that are not all finite; with --max-memory always. Made when it is first asked for or the volume has changed, always of
-    /// all of the volume; the mesh does not depend on it
+    /// let outside, a report or -v on a part or on samples that are not all finite; with --max-memory always. Made when it
+    /// is first asked for or the volume has changed, always of all of the volume; the mesh does not depend on it
     #[arg(long, conflicts_with = "quantity", help_heading = "Speed")]
     pub(crate) index: bool,
     /// Never hold more memory than this, such as 512MiB: the volume is read slice by slice. The mesh is
