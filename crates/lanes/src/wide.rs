@@ -18,7 +18,10 @@ use along::{one_and_one, three_along_x, two_and_two};
 use plain::Plain;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 #[cfg(target_arch = "x86_64")]
-use {avx2::Avx2, avx512::Avx512};
+use {
+    avx2::Avx2,
+    avx512::{Avx512, is_gather_quick},
+};
 
 /// Numbers in a batch: one register of f32 at the widest, two of f64.
 pub(crate) const BATCH: usize = 16;
@@ -62,7 +65,7 @@ fn run_avx2(task: impl Task) {
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
 fn run_avx512(task: impl Task) {
     // SAFETY: this function runs only where the machine has AVX-512 F, BW, DQ and VL.
-    task.run(unsafe { Avx512::new() });
+    task.run(unsafe { Avx512::new(is_gather_quick()) });
 }
 
 /// A set of registers.

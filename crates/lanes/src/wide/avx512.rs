@@ -8,21 +8,25 @@ use super::{
     along::{one_and_one, three_along_x, two_and_two},
 };
 use crate::{Lane, Samples};
+pub(crate) use gather::is_gather_quick;
 use gather::{exact, gather, gather_f64, singly, without, words_of_two};
 use registers::{F32, F64, U32};
 use std::{any::TypeId, arch::x86_64::*, mem::transmute_copy};
 
 /// A token: who holds one, or a register, has the instructions.
 #[derive(Clone, Copy)]
-pub(crate) struct Avx512(());
+pub(crate) struct Avx512 {
+    /// Words from sixteen places are loaded by one instruction, and not one by one.
+    gathers: bool,
+}
 
 impl Avx512 {
     /// # Safety
     ///
     /// The machine must have AVX-512 F, BW, DQ and VL.
     #[inline(always)]
-    pub(crate) unsafe fn new() -> Self {
-        Self(())
+    pub(crate) unsafe fn new(gathers: bool) -> Self {
+        Self { gathers }
     }
 }
 
@@ -218,7 +222,9 @@ impl Wide for Avx512 {
             return unsafe { transmute_copy(&gather_f64(self, base.cast(), at)) };
         }
         // SAFETY: the four bytes from each number on lie in the slice, as the caller says.
-        exact::<T>(self, unsafe { singly(self, base, at) })
+        exact::<T>(self, unsafe {
+            if self.gathers { gather(self, base, at) } else { singly(self, base, at) }
+        })
     }
 
     #[inline(always)]
