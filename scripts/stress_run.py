@@ -5,8 +5,8 @@ Started by `scripts/stress`, which installs the peers and builds the program. Sm
 through isokit in rows of modes in which every two answers to two options meet, where the program
 takes both; with all threads, instructions, kinds of memory and types of samples the mesh must be
 the same. Then, unless `--quick`, each volume of the listed size goes through isokit once for each
-type of sample that holds its values, and, in its own type, through each peer, in a process of its
-own. Table and data go to scripts/results/DATE-CPU/stress, those of the small form to target/stress.
+type of sample that holds its values, and once where denormal numbers are taken for 0, and, in its
+own type, through each peer, in a process of its own. Table and data go to scripts/results/DATE-CPU/stress, those of the small form to target/stress.
 Exit 1 if isokit fails an item.
 """
 
@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -120,7 +121,7 @@ def judge_isokit(modes: Modes, item: Item, quick: bool, scratch: Path) -> Verdic
 
 
 def listed(modes: Modes, item: Item, verdict: Verdict, scratch: Path) -> None:
-    """The volumes of the listed size, in each type once."""
+    """The volumes of the listed size, in each type once, and where denormal numbers are taken for 0."""
     plain: dict[str, Mesh | None] = {}
     for case in item.cases(False):
         plain[case.name], found = stress_isokit.judge(modes, case, LISTED, scratch)
@@ -128,6 +129,10 @@ def listed(modes: Modes, item: Item, verdict: Verdict, scratch: Path) -> None:
             twin = plain[case.same_as]
             found["differs"] = stress_isokit.shape_differs(plain[case.name], twin)
         verdict.add(case.name, str(LISTED), found)
+        if modes.library:
+            flushed = replace(LISTED, floats="flushed")
+            found = stress_isokit.same(modes, case, flushed, plain[case.name], scratch)
+            verdict.add(case.name, str(flushed), found)
         for other in in_types(case):
             mesh, _, wrong = stress_isokit.run(modes, other, LISTED, scratch)
             found = wrong or {"differs": stress_isokit.shape_differs(mesh, plain[case.name])}

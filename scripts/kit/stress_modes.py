@@ -72,6 +72,21 @@ rounded otherwise in other types.
 APART = frozenset(frozenset({("diagonals", "fitted"), other}) for other in NOT_FITTED)
 """Answers that do not meet."""
 
+CHOICES = {
+    "topology": ["table", "trilinear"],
+    "placement": ["linear", "cubic", "quintic"],
+    "normals": ["gradient", "matching"],
+    "boundary": ["closed", "open"],
+    "degenerate": ["never", "exact"],
+    "diagonals": ["table", "fitted"],
+    "threads": ["1", "2"],
+    "simd": ["portable", "avx2", "avx512"],
+    "memory": ["whole", "sliced", "indexed"],
+    "floats": ["usual", "flushed"],
+    "dtype": ["own", "integer", "float"],
+}
+"""All answers to each question; a machine may lack some of `simd` and `floats`."""
+
 LISTED = replace(PLAIN, topology="trilinear", placement="quintic", threads="2", simd="")
 """The mode for volumes of the listed size: the program's own choices."""
 
@@ -82,22 +97,11 @@ class Modes:
     def __init__(self, isokit: Isokit, scratch: Path) -> None:
         """Tries the instructions, and builds the library that flushes."""
         self.isokit, self.library = isokit, None
-        levels = [name for name in ("portable", "avx2", "avx512") if self._has(name)]
         if platform.system() == "Linux" and platform.machine() == "x86_64":
             self.library = build(scratch)
-        self.choices = {
-            "topology": ["table", "trilinear"],
-            "placement": ["linear", "cubic", "quintic"],
-            "normals": ["gradient", "matching"],
-            "boundary": ["closed", "open"],
-            "degenerate": ["never", "exact"],
-            "diagonals": ["table", "fitted"],
-            "threads": ["1", "2"],
-            "simd": levels,
-            "memory": ["whole", "sliced", "indexed"],
-            "floats": ["usual", "flushed"] if self.library else ["usual"],
-            "dtype": ["own", "integer", "float"],
-        }
+        levels = [name for name in CHOICES["simd"] if self._has(name)]
+        floats = CHOICES["floats"] if self.library else ["usual"]
+        self.choices = CHOICES | {"simd": levels, "floats": floats}
         self.pairs = [Mode(**row) for row in pairwise(self.choices, APART)]
 
     def program(self, mode: Mode) -> Isokit:
