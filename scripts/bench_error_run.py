@@ -62,7 +62,7 @@ def parse() -> argparse.Namespace:
         help="32 to 512 samples per axis, 15 rounds; orders in up to 768³, which is 3.6 GB",
     )
     parser.add_argument("--sizes", type=int, nargs="+", help="other numbers of samples per axis")
-    parser.add_argument("--rounds", type=int, help="runs of each tool; default: 7")
+    parser.add_argument("--rounds", type=int, help="runs of each tool; default: 7; 3 with --quick, 15 with --full")
     parser.add_argument(
         "--dtype", choices=("float32", "float64"), default="float32", help="of the samples"
     )

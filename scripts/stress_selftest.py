@@ -12,8 +12,8 @@ import numpy as np
 from kit import stress_shapes, stress_values
 from kit.stress_case import IDENTITY, ITEMS, Case, in_types, seen
 from kit.stress_check import CRITERIA, Allowed, Mesh, faults
-from kit.stress_isokit import in_type
-from kit.stress_modes import APART, CHOICES, Mode, Pair, pairwise
+from kit.stress_isokit import COUNTERS, in_type, misreported, shape_differs
+from kit.stress_modes import APART, CHOICES, PLAIN, Mode, Pair, pairwise
 from kit.tally import Tally
 
 assert stress_values and stress_shapes  # they fill the list
@@ -77,8 +77,34 @@ def meshes(tally: Tally) -> None:
         found = wrong(mesh)
         tally.check(name, f"has {', '.join(sorted(expected))}", found == expected, found)
     seen_faults = set().union(*(expected for _, expected in spoilt().values()))
-    never = set(CRITERIA) - seen_faults - {"differs", "report"}  # which others than `faults` count
+    never = set(CRITERIA) - seen_faults - {"differs", "report"}
     tally.check("criteria", "each is failed by a spoilt mesh", not never, never)
+    comparisons(tally)
+
+
+def comparisons(tally: Tally) -> None:
+    """The two criteria that compare: a mesh with another, and with its report."""
+    mesh = Mesh(CORNERS, FACES)
+    tally.check("the same", "does not differ", shape_differs(mesh, Mesh(CORNERS, FACES)) == 0)
+    bit = CORNERS.copy()
+    bit[3, 1] = np.nextafter(bit[3, 1], np.float32(9))
+    turned = FACES.copy()
+    turned[5] = np.roll(turned[5], 1)
+    for name, other in {
+        "a bit of a place": Mesh(bit, FACES),
+        "a triangle from another corner": Mesh(CORNERS, turned),
+        "none": None,
+    }.items():
+        tally.check(name, "differs", shape_differs(mesh, other) == 1)
+    normals = np.zeros((6, 3), np.float32)
+    shaded, other = Mesh(CORNERS, FACES, normals), Mesh(CORNERS, FACES, normals + 1)
+    tally.check("normals", "are compared where samples are the same", not shaded.same_as(other))
+    tally.check("normals", "are not where types differ", shape_differs(shaded, other) == 0)
+    right = {"vertices": 6, "triangles": 8} | dict.fromkeys(COUNTERS, 0)
+    tally.check("a report", "is right", misreported(right, mesh, PLAIN) == 0)
+    for key in right:
+        wrong_by_one = right | {key: right[key] + 1}
+        tally.check(f"a report, {key}", "is wrong", misreported(wrong_by_one, mesh, PLAIN) == 1)
 
 
 def allowances(tally: Tally) -> None:

@@ -27,6 +27,10 @@ fn tube() -> Field {
     })
 }
 
+fn metaballs() -> Field {
+    fields::metaballs(&[[-0.3, -0.1, 0.05], [0.25, 0.15, -0.1], [0.1, -0.35, 0.2]], 0.4)
+}
+
 /// The depth in a field, to first order.
 fn depth(field: Field) -> Field {
     Box::new(move |place| field(place) / length(gradient(&field, place)))
@@ -71,6 +75,8 @@ fn triangles_are_nearer_to_smooth_surfaces_and_look_more_as_they_do() {
         ("ring", fields::torus(0.6, 0.25), [0.85, 0.8, 0.9]),
         ("tube", tube(), [0.75, 0.7, 0.75]),
         ("gyroid", depth(fields::gyroid(1.0)), [0.85, 1.0, 0.9]),
+        ("finer gyroid", depth(fields::gyroid(1.5)), [0.87, 1.0, 0.9]),
+        ("soft balls", depth(metaballs()), [0.98, 1.0, 1.0]),
         ("waves", depth(fields::waves()), [0.85, 1.0, 0.9]),
     ] {
         let scan = Scan::new(volumes::cube(&field, 41));

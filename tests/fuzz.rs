@@ -1,6 +1,6 @@
 //! The targets of `tests/fuzz` on bytes by chance and on files with wrong bytes; `scripts/fuzz` looks longer.
 //!
-//! `VOLUMES=1000000 cargo nextest run --release -p isokit-tests --test fuzz` extracts from so many volumes.
+//! `VOLUMES=1000000 cargo test --release -p isokit-tests --test fuzz` extracts from so many volumes.
 
 use isokit::{
     for_any,
@@ -17,7 +17,7 @@ use isokit_tests::{
     fuzz::{self, mesh_file, promises, volume_file},
     hard,
 };
-use proptest::prelude::*;
+use proptest::{prelude::*, test_runner::FileFailurePersistence};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -157,8 +157,12 @@ fn ways() -> impl Strategy<Value = RefineOptions> {
     })
 }
 
+/// What fails is shrunk, and its seed is kept here: it comes first from then on.
+const KEPT: FileFailurePersistence =
+    FileFailurePersistence::Direct("fuzz/proptest-regressions.txt");
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: Some(Box::new(KEPT)), ..ProptestConfig::default() })]
 
     #[test]
     fn volumes_and_options_that_shrink(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {

@@ -173,9 +173,12 @@ fn ways() -> [RefineOptions; 4] {
     [levels(1), BALANCE, levels(2).with_balance(true), max_error(0.1).with_balance(true)]
 }
 
-fn check_chance(scan: &Scan, boundary: Boundary) {
+const PLACEMENTS: [Placement; 3] = [Placement::Cubic, Placement::Linear, Placement::Quintic];
+
+fn check_chance(scan: &Scan, boundary: Boundary, placement: Placement) {
     for topology in [Topology::Table, Topology::Trilinear] {
-        let extract = surface().extract.with_topology(topology).with_boundary(boundary);
+        let extract = ExtractOptions::DEFAULT.with_topology(topology).with_boundary(boundary);
+        let extract = extract.with_placement(placement);
         let surface = surface().with_extract(extract);
         let plain = scan.mesh(0.0, &surface, &Job::default()).unwrap();
         let before = assert_sound(&plain);
@@ -183,11 +186,8 @@ fn check_chance(scan: &Scan, boundary: Boundary) {
             let (mesh, found) = refined(scan, (0.0, &options), &surface, &Job::default());
             let after = assert_sound(&mesh);
             assert_eq!(after.boundary_sides == 0, before.boundary_sides == 0, "{options:?}");
-            assert_eq!(
-                (after.euler, after.components),
-                (before.euler, before.components),
-                "{options:?}"
-            );
+            assert_eq!(after.euler, before.euler, "{options:?}");
+            assert_eq!(after.components, before.components, "{options:?}");
             let new = mesh.positions.len() - plain.positions.len();
             assert_eq!(found.new_vertices, new as u64);
         }
@@ -196,18 +196,19 @@ fn check_chance(scan: &Scan, boundary: Boundary) {
 
 #[test]
 fn chance_keeps_its_topology_and_no_triangle_is_flat() {
-    for seed in 0..3 {
-        check_chance(&Scan::new(volumes::noise([9, 7, 8], seed)), Boundary::Closed);
-        check_chance(&Scan::new(volumes::noise([6, 7, 5], seed + 50)), Boundary::Open);
+    for (seed, placement) in (0..).zip(PLACEMENTS) {
+        check_chance(&Scan::new(volumes::noise([9, 7, 8], seed)), Boundary::Closed, placement);
+        check_chance(&Scan::new(volumes::noise([6, 7, 5], seed + 50)), Boundary::Open, placement);
     }
 }
 
 #[test]
 fn ties_keep_their_topology_and_no_triangle_is_flat() {
-    let count = many("VOLUMES", 6);
-    for seed in 0..count as u64 {
-        let (most, boundary) = [(1, Boundary::Closed), (3, Boundary::Open)][seed as usize % 2];
-        check_chance(&Scan::new(volumes::ties([8, 7, 6], most, seed)), boundary);
+    let count = many("VOLUMES", 12);
+    for n in 0..count {
+        let (most, boundary) = ([1, 3][n % 2], [Boundary::Closed, Boundary::Open][n / 2 % 2]);
+        let scan = Scan::new(volumes::ties([8, 7, 6], most, n as u64));
+        check_chance(&scan, boundary, PLACEMENTS[n / 4 % 3]);
     }
     looked_at(count, "volumes full of ties, divided and balanced in every way");
 }
@@ -215,12 +216,13 @@ fn ties_keep_their_topology_and_no_triangle_is_flat() {
 /// The field around a sample on the isovalue, all others below it, has no surface but that point: there new vertices met.
 #[test]
 fn vertices_that_would_meet_stay_apart() {
-    check_chance(&Scan::new(volumes::ties([8, 7, 6], 1, 326)), Boundary::Closed);
+    let check = |scan| check_chance(&scan, Boundary::Closed, Placement::Cubic);
+    check(Scan::new(volumes::ties([8, 7, 6], 1, 326)));
     for dims in [[1, 5, 4], [5, 5, 4], [3, 3, 3]] {
         let grid = Grid::new(dims, Frame::default()).unwrap();
         let mut samples = vec![-1_i8; grid.count() as usize];
         samples[(dims[0] / 2 + dims[0] * (2 + 2 * dims[1])) as usize] = 0;
-        check_chance(&Scan::new(Volume::new(grid, samples).unwrap()), Boundary::Closed);
+        check(Scan::new(Volume::new(grid, samples).unwrap()));
     }
 }
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from kit import bench_error_must, bench_error_plots
 from kit.bench_error_fields import FIELDS
 from kit.bench_error_must import FINEST, by_tool, reach, slope
+from kit.bench_error_tools import NO_DUAL
 
 METHOD = """\
 Each field is given at n³ points of the cube from -1 to 1, a distance h = 2/(n - 1) apart; positive
@@ -80,9 +81,8 @@ def table(runs: list[dict]) -> str:
     for run in runs:
         parts += section(run, first)
     missing = {f"{name}: {reason}" for run in runs for name, reason in run["absent"].items()}
-    missing = sorted(missing) + [line for run in runs for line in run["skipped"]]
-    if missing:
-        parts += ["## Not measured", "", *(f"- {reason}" for reason in missing), ""]
+    missing = [NO_DUAL, *sorted(missing), *(line for run in runs for line in run["skipped"])]
+    parts += ["## Not measured", "", *(f"- {reason}" for reason in missing), ""]
     return "\n".join(parts)
 
 

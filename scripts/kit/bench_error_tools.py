@@ -24,12 +24,14 @@ CHOSEN = (
     "libigl",
     "meshlib",
 )
-"""The peers that take part, by their names in `PEERS`.
+"""The peers that take part, by their names in `PEERS`."""
 
-None is dual contouring: CGAL's is in no registry of packages, that of the crate `isosurface` 0.1
-contours means of opposite corners over the middles of cells, not the samples, and fidget's needs a
-formula, for which `scripts/bench_fields` measures it.
-"""
+NO_DUAL = (
+    "dual contouring: CGAL's is in no registry of packages, that of the crate `isosurface` 0.1 "
+    "contours means of opposite corners over the middles of cells, not the samples, and fidget's "
+    "needs a formula, for which `scripts/bench_fields` measures it"
+)
+"""Why none that contours duals takes part."""
 
 OWN = "isokit"
 

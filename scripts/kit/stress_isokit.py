@@ -31,11 +31,15 @@ def judge(modes: Modes, case: Case, mode: Mode, folder: Path) -> tuple[Mesh | No
     closed, exact = mode.boundary == "closed", mode.degenerate == "exact"
     # A sample on the isovalue alone is a solid of no volume if exact.
     allowed = Allowed(border=not closed, turned_out=not closed or exact, flat=exact)
-    found = faults(mesh, case, allowed)
+    return mesh, faults(mesh, case, allowed) | {"report": misreported(said, mesh, mode)}
+
+
+def misreported(said: dict, mesh: Mesh, mode: Mode) -> int:
+    """1 if a report has other counts than the mesh, or faults that the mode must not have."""
     counts = (said["vertices"], said["triangles"])
-    own = sum(said[counter] for counter in COUNTERS[: 2 if exact else 3]) if closed else 0
-    found["report"] = int(counts != (len(mesh.vertices), len(mesh.triangles)) or own > 0)
-    return mesh, found
+    counters = COUNTERS[: 2 if mode.degenerate == "exact" else 3]
+    own = sum(said[counter] for counter in counters) if mode.boundary == "closed" else 0
+    return int(counts != (len(mesh.vertices), len(mesh.triangles)) or own > 0)
 
 
 def same(modes: Modes, case: Case, mode: Mode, mesh: Mesh | None, folder: Path) -> dict[str, int]:

@@ -153,7 +153,8 @@ def settings(facts: dict, tools: list[str]) -> Iterable[str]:
     if not facts["quick"]:
         yield (
             "- isokit, volumes of the listed size: its defaults on two threads, once for each type "
-            "of sample that holds the values; vertices and triangles must be the same in all."
+            "of sample that holds the values, and once more *flushed*; vertices and triangles must "
+            "be the same in all."
         )
     known = facts["settings"]
     yield from (f"- {tool}: {known[tool]}" for tool in tools if tool in known)

@@ -18,7 +18,7 @@ pub(crate) enum ProgressArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BoundaryArg {
-    /// Outside: the surface is closed by caps along the border
+    /// Outside: the surface is closed by caps along the border, which are not where the object ends
     #[default]
     Closed,
     /// Nothing: the surface ends at the border
@@ -39,9 +39,10 @@ pub(crate) enum TopologyArg {
 pub(crate) enum PlacementArg {
     /// Where the straight line between two samples has the value: error O(h^2)
     Linear,
-    /// Where the cubic through the four nearest samples in line has it: O(h^4); rougher in noise
+    /// Where the cubic through the four nearest samples in line has it: O(h^4) with --degenerate exact, else but for
+    /// vertices next to a sample; rougher in noise, and farther off in walls thinner than the four
     Cubic,
-    /// The same with six samples: O(h^6); rougher in noise
+    /// The same with six samples: O(h^6)
     #[default]
     Quintic,
 }
@@ -58,10 +59,11 @@ pub(crate) enum DiagonalsArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NormalsArg {
-    /// The direction in which the samples fall, from central differences: error O(h^2)
+    /// The direction in which the samples fall, from central differences: error O(h^2), O(h) at the border
     #[default]
     Gradient,
-    /// The same from differences as exact as the placement; always so where triangles are refined or balanced
+    /// The same from differences as exact as the placement, where there are enough samples, and rougher in noise; always
+    /// so where triangles are refined or balanced
     Matching,
     /// The mean of the triangles around a vertex
     Area,
@@ -71,7 +73,8 @@ pub(crate) enum NormalsArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DegenerateArg {
-    /// Vertices keep 2^-10 of an edge from samples, so that every triangle has an area, if a thin one
+    /// Vertices keep 2^-10 of an edge from samples, far from the origin up to 2^-4, so that every triangle has an area, if
+    /// a thin one; GLB and STL cannot hold that everywhere, and a warning says where they do not
     #[default]
     Never,
     /// Vertices lie where interpolation puts them; samples equal to the isovalue give triangles

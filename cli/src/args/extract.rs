@@ -64,11 +64,13 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
     pub(crate) diagonals: DiagonalsArg,
     /// Divide each triangle into four, N times, with new vertices on the cubic field through the samples:
-    /// between vertices the error falls to a quarter each time
+    /// between vertices the error falls to a quarter each time, where the field is smooth and down to that of the cubic
+    /// field; it takes a multiple of the time of the surface itself
     #[arg(long, value_name = "N", value_parser = values::levels, help_heading = "Accuracy")]
     pub(crate) refine: Option<u32>,
     /// Divide triangles, only where the field curves, until none leaves its surface by more than E, in world
-    /// units, as far as second derivatives tell. Those of which that cannot be said, as in noise, are counted
+    /// units, as far as second derivatives tell, in ten rounds at most. Those of which that cannot be said, as in noise,
+    /// are counted; --balance may raise the greatest error again
     #[arg(long, value_name = "E", value_parser = values::length, help_heading = "Accuracy")]
     #[arg(conflicts_with = "refine")]
     pub(crate) max_error: Option<f64>,

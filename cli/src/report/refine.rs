@@ -17,7 +17,7 @@ pub(crate) struct RefineReport {
     undivided_edges: u64,
     /// The error that was asked for.
     max_error: Option<f64>,
-    /// The error that was reached, by all triangles but those without a bound.
+    /// The error that was reached, by all triangles but those without a bound, before they were balanced.
     bound: Option<f64>,
     unbounded_triangles: u64,
     /// Vertices that were moved so that triangles are as much outside as inside, and those that could not.

@@ -11,14 +11,16 @@ pub enum Subdivision {
     /// On every edge, so many times over: each triangle becomes four, and these four each, …; 1 to
     /// [`MOST`](Self::MOST).
     ///
-    /// Not promised: an error. Where the field is smooth each division leaves about a quarter of it, at steps and in noise it may
-    /// leave all.
+    /// Not promised: an error. Where the field is smooth each division leaves about a quarter of it, down to the error of the
+    /// cubic field; at steps and in noise it may leave all. Nor the least time to an error: of a smooth surface finer samples
+    /// reach it sooner, where there are such (`scripts/bench_error`).
     Levels(u32),
     /// On edges along which the field curves, until no triangle leaves its surface by more than this, in world
     /// units; above 0.
     ///
     /// Not promised: more than that to first order, as second derivatives at corners and middles of sides tell it
-    /// ([`Refined::bound`](crate::Refined::bound)); what the field does between them they do not see.
+    /// ([`Refined::bound`](crate::Refined::bound)); what the field does between them they do not see. Nor that it holds once
+    /// triangles are balanced, or after the ten rounds that there are at most: what is left then is counted.
     MaxError(f64),
 }
 

@@ -35,10 +35,11 @@ pub struct Refined {
     pub undivided: u64,
     /// With [`Subdivision::MaxError`], the greatest distance in world units by which a triangle may leave
     /// the surface, as far as the Hessian of the field tells at corners and middles of sides, over all
-    /// triangles but the `unbounded`.
+    /// triangles but the `unbounded`; `None` if it is known of none. It is that of the divided triangles, before
+    /// [`RefineOptions::balance`] moves them: that trades the greatest distance for a less mean one.
     pub bound: Option<f64>,
     /// With [`Subdivision::MaxError`], triangles of which that was not reached or is not known: in noise, next
-    /// to samples without a value, and where positions are too coarse.
+    /// to samples without a value, where positions are too coarse, and after ten rounds.
     pub unbounded: u64,
     /// Vertices that balance moved along their normals.
     pub balanced: u64,
@@ -163,7 +164,7 @@ impl Refined {
         for round in 0.. {
             known = known.carried((mesh, &edges), &from, ground, job)?;
             let sagitta = Sagitta::of((mesh, &edges), &known, error, job)?;
-            (self.bound, self.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
+            (self.bound, self.unbounded) = (sagitta.bound, sagitta.unbounded);
             let chosen = |edge: usize| sagitta.is_too_long(edge);
             if round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen) {
                 break;

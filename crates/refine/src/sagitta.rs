@@ -21,8 +21,8 @@ use isokit_mesh::TriMesh;
 pub(crate) struct Sagitta {
     /// Whether an edge is to be divided.
     too_long: Vec<bool>,
-    /// The greatest bound of a triangle that is not above the error.
-    pub(crate) bound: f64,
+    /// The greatest bound of a triangle that is not above the error, if there is such a triangle.
+    pub(crate) bound: Option<f64>,
     /// Triangles whose bound is above the error, or unknown.
     pub(crate) unbounded: u64,
 }
@@ -42,14 +42,14 @@ impl Sagitta {
         job: &Job,
     ) -> Result<Self, RefineError> {
         let looks = in_chunks(mesh.triangles.len(), &job.unwatched(), |range| {
-            let (mut bound, mut unbounded, mut long) = (0.0_f64, 0, vec![]);
+            let (mut bound, mut unbounded, mut long) = (None::<f64>, 0, vec![]);
             for t in range {
                 let (sides, corners) = (edges.sides[t], mesh.triangles[t]);
                 let bends = sides.map(|edge| known.bends[edge as usize]);
                 let off = corners.iter().fold(0.0_f64, |most, &v| most.max(known.offs[v as usize]));
                 let own = raised(bends) + off;
                 if own <= error {
-                    bound = bound.max(own);
+                    bound = Some(bound.map_or(own, |most| most.max(own)));
                     continue;
                 }
                 unbounded += 1;
@@ -61,9 +61,10 @@ impl Sagitta {
             }
             (bound, unbounded, long)
         })?;
-        let mut found = Self { too_long: vec![false; edges.len()], bound: 0.0, unbounded: 0 };
+        let mut found = Self { too_long: vec![false; edges.len()], bound: None, unbounded: 0 };
         for (bound, unbounded, long) in looks {
-            found.bound = found.bound.max(bound);
+            // A number is greater than none.
+            found.bound = if bound > found.bound { bound } else { found.bound };
             found.unbounded += unbounded;
             long.into_iter().for_each(|edge| found.too_long[edge as usize] = true);
         }

@@ -62,7 +62,7 @@ fn bounded_plainly(mesh: &mut TriMesh, ground: &Ground<'_>, error: f64) -> Refin
         let bends = edges.ends.iter().map(|&ends| bend(mesh, ends, ground));
         assert!(bends.eq(known.bends.iter().copied()));
         let sagitta = Sagitta::of((mesh, &edges), &known, error, &job).unwrap();
-        (refined.bound, refined.unbounded) = (Some(sagitta.bound), sagitta.unbounded);
+        (refined.bound, refined.unbounded) = (sagitta.bound, sagitta.unbounded);
         let chosen = |edge: usize| sagitta.is_too_long(edge);
         if round == Sagitta::ROUNDS || !(0..edges.len()).any(chosen) {
             break;
@@ -143,4 +143,19 @@ fn ties_and_holes_are_divided_as_plainly() {
         let holes = ties.iter().enumerate().map(|(n, &v)| if n % 41 == 7 { f32::NAN } else { v });
         check(holes.collect(), dims, 0.1);
     }
+}
+
+#[test]
+fn where_no_triangle_is_known_there_is_no_bound() {
+    let mut samples = vec![f32::NAN; 27];
+    samples[13] = 1.0;
+    let volume = Volume::new(Grid::new([3; 3], Default::default()).unwrap(), samples).unwrap();
+    let (view, job) = (volume.view(), Job::default());
+    let field = Sampled::new(view);
+    let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+    let mut mesh = extract(&view, 0.0, &ExtractOptions::DEFAULT, &job).unwrap();
+    let options = RefineOptions::DEFAULT.with_subdivision(Subdivision::MaxError(0.1));
+    let found = refine(&mut mesh, &surface, &options, &job).unwrap();
+    assert!(mesh.triangles.len() == 8 && found.unbounded == 8, "{found:?}");
+    assert_eq!(found.bound, None);
 }
