@@ -58,7 +58,9 @@ class PeerTool:
             if isinstance(answer, str):
                 verdict.add(case.name, "", {answer: 1})
             elif "refused" in answer:
-                verdict.refused[case.name] = answer["refused"]
+                # What some add tells where they were built.
+                reason = answer["refused"].partition("Stack backtrace")[0].strip()
+                verdict.refused[case.name] = reason
             else:
                 with np.load(self.scratch / "peer.npz") as arrays:
                     mesh = Mesh(arrays["vertices"], arrays["triangles"])
