@@ -67,6 +67,7 @@ def spoilt() -> dict[str, tuple[Mesh, set[str]]]:
         "inside out": (Mesh(CORNERS, FACES[:, ::-1]), {"volume"}),
         "a vertex in another": (moved(0, [1, 1.5, 1]), {"flat"}),
         "a vertex two cells off": (moved(0, [3.5, 1, 1]), {"away"}),
+        "a vertex a hair off": (moved(0, [2 + 1e-4, 1, 1]), {"away"}),
     }
 
 
@@ -119,6 +120,21 @@ def allowances(tally: Tally) -> None:
     tally.check("sheet", "or may not", wrong(mesh, half, Allowed()) == {"open"})
     hole = Mesh(CORNERS, FACES[1:])
     tally.check("hole", "not within", "open" in wrong(hole, CASE, Allowed(border=True)))
+    none, ties = Mesh(CORNERS[:0], FACES[:0]), Case("ties", BOX, 2)
+    own = Allowed(on_is_either=False)
+    tally.check("a tie", "may be outside", wrong(none, ties) == set())
+    tally.check("a tie", "is inside of isokit", wrong(none, ties, own) == {"empty"})
+    full = Case("full", BOX, 0)
+    tally.check("all inside", "need not be closed", wrong(none, full) == set())
+    tally.check("all inside", "is closed by isokit", wrong(none, full, own) == {"empty"})
+    rim = Allowed(border=True, on_is_either=False)
+    tally.check("all inside", "has no surface if open", wrong(none, full, rim) == set())
+    apart = wrong(Mesh(CORNERS, FACES), ties)
+    tally.check("on a tie", "is beside both sides", "away" not in apart, apart)
+    low = Case("low", np.where(BOX == 2, np.float32(1), BOX), 1)
+    there = Mesh(CORNERS + np.float32([0, 0, 1]), FACES)
+    tally.check("beside a tie", "is in its cells", wrong(Mesh(CORNERS, FACES), low, own) == set())
+    tally.check("off a tie", "is not", "away" in wrong(there, low, own), wrong(there, low, own))
     gap = BOX.copy()
     gap[2, 2, 2] = np.nan
     excused = wrong(hole, Case("gap", gap, 1), Allowed(gaps=True))

@@ -1,6 +1,6 @@
 //! What dividing and balancing triangles does to their error, and what it leaves as it was.
 //!
-//! With `VOLUMES=1000`, as `scripts/sweep` has it, it is done to so many volumes full of ties.
+//! With `VOLUMES=10000`, as `scripts/sweep` has it, it is done to so many volumes full of ties.
 
 use isokit::{
     geom::{Affine, Frame},
@@ -12,7 +12,7 @@ use isokit::{
     volume::{AnyVolume, Grid, Volume},
 };
 use isokit_tests::{
-    chance::{looked_at, many},
+    chance::{for_each_below, looked_at, many},
     check::{assert_closed, assert_sound},
     deviation::{best_by_offsets, deviation},
     fields::{self, Field, gradient},
@@ -205,11 +205,11 @@ fn chance_keeps_its_topology_and_no_triangle_is_flat() {
 #[test]
 fn ties_keep_their_topology_and_no_triangle_is_flat() {
     let count = many("VOLUMES", 12);
-    for n in 0..count {
+    for_each_below(count, |n| {
         let (most, boundary) = ([1, 3][n % 2], [Boundary::Closed, Boundary::Open][n / 2 % 2]);
         let scan = Scan::new(volumes::ties([8, 7, 6], most, n as u64));
         check_chance(&scan, boundary, PLACEMENTS[n / 4 % 3]);
-    }
+    });
     looked_at(count, "volumes full of ties, divided and balanced in every way");
 }
 

@@ -9,123 +9,17 @@ use isokit::{
     marching_cubes::{
         Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
     },
-    mesh::{Precision, TriMesh},
+    mesh::TriMesh,
     volume::{Dtype, Grid, Sample, View, Volume},
 };
 use isokit_tests::{
     chance::Chance,
-    check::{Census, sides_of},
+    check::Census,
     fields, hard,
     modes::modes,
+    symmetry::{Seat, Symmetry, assert_symmetric, rims, seats},
 };
-use std::{array::from_fn, collections::BTreeMap};
-
-/// One of the 48 ways to lay a cube onto itself. Axis `k` of the copy is `axes[k]` of the volume, backwards
-/// where `flips[k]`.
-#[derive(Clone, Copy, Debug)]
-struct Symmetry {
-    axes: [usize; 3],
-    flips: [bool; 3],
-}
-
-impl Symmetry {
-    fn all() -> Vec<Self> {
-        let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
-        let flips = (0..8).map(|bits| from_fn(|k| bits >> k & 1 == 1));
-        flips.flat_map(|flips| axes.map(|axes| Self { axes, flips })).collect()
-    }
-
-    /// Whether right hands become left hands.
-    fn mirrors(self) -> bool {
-        let is_odd = (0..3).all(|k| self.axes[k] != (self.axes[(k + 1) % 3] + 2) % 3);
-        is_odd ^ (self.flips.iter().filter(|&&flip| flip).count() % 2 == 1)
-    }
-
-    /// The copy, as a view of the same samples.
-    fn copy<T: Sample>(self, volume: &Volume<T>) -> View<'_, T> {
-        let dims = volume.grid().dims();
-        let steps = [1, dims[0], dims[0] * dims[1]].map(|step| step as isize);
-        let sign = |k: usize| if self.flips[k] { -1 } else { 1 };
-        let strides = from_fn(|k| sign(k) * steps[self.axes[k]]);
-        let last = |k: usize| (dims[self.axes[k]] as isize - 1) * steps[self.axes[k]];
-        let first: isize = (0..3).filter(|&k| self.flips[k]).map(last).sum();
-        let grid = Grid::new(self.axes.map(|axis| dims[axis]), Frame::default()).unwrap();
-        View::strided(volume.samples(), first as usize, strides, &grid).unwrap()
-    }
-
-    /// Where a place in the copy lies in the volume.
-    fn back(self, place: [f64; 3], dims: [u64; 3]) -> [f64; 3] {
-        let mut there = [0.0; 3];
-        for (k, axis) in self.axes.into_iter().enumerate() {
-            let last = (dims[axis] - 1) as f64;
-            there[axis] = if self.flips[k] { last - place[k] } else { place[k] };
-        }
-        there
-    }
-
-    /// Where a direction in the copy points to in the volume.
-    fn turned_back(self, direction: [f32; 3]) -> [f32; 3] {
-        let mut there = [0.0; 3];
-        for (k, axis) in self.axes.into_iter().enumerate() {
-            there[axis] = if self.flips[k] { -direction[k] } else { direction[k] };
-        }
-        there
-    }
-}
-
-/// A lattice edge by twice the coordinates of its middle.
-type Edge = [i64; 3];
-
-/// What a vertex is on or in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Seat {
-    On(Edge),
-    /// Within a cell, the vertex of this number.
-    Within(usize),
-}
-
-/// A cell by its first corner, and a side in it along which it meets another cell.
-type Rim = ([i64; 3], [Seat; 2]);
-
-/// Where vertices sit that are no samples: on an edge one coordinate is not a whole number, in a cell none is.
-fn seats(places: &[[f64; 3]]) -> Vec<Seat> {
-    let seat = |(n, place): (usize, &[f64; 3])| {
-        let edge = place.map(|c| c.floor() as i64 + c.ceil() as i64);
-        match edge.iter().filter(|c| *c % 2 != 0).count() {
-            1 => Seat::On(edge),
-            3 => Seat::Within(n),
-            _ => panic!("{place:?} is on no edge and in no cell"),
-        }
-    };
-    places.iter().enumerate().map(seat).collect()
-}
-
-/// The loops of all cells, as their directed sides. Counts, so that nothing is there twice.
-fn rims(places: &[[f64; 3]], triangles: &[[u32; 3]], turned: bool) -> BTreeMap<Rim, i64> {
-    let (mut rims, seats) = (BTreeMap::new(), seats(places));
-    for &[a, b, c] in triangles {
-        let corners = [a, b, c].map(|v| places[v as usize]);
-        // A triangle lies in its cell and never in a face, so its middle is within.
-        let cell = from_fn(|k| (corners.iter().map(|p| p[k]).sum::<f64>() / 3.0).floor() as i64);
-        for [a, b] in sides_of(if turned { [a, c, b] } else { [a, b, c] }) {
-            let [a, b] = [a, b].map(|v| seats[v as usize]);
-            *rims.entry((cell, [a, b])).or_insert(0) += 1;
-            *rims.entry((cell, [b, a])).or_insert(0) -= 1;
-        }
-    }
-    rims.retain(|_, count| *count != 0);
-    assert!(rims.keys().all(|(_, side)| side.iter().all(|seat| matches!(seat, Seat::On(_)))));
-    rims
-}
-
-/// What there is of each of the vertices on lattice edges, by these: places, or normals.
-fn by_edge<A: Copy>(places: &[[f64; 3]], of_each: &[A]) -> BTreeMap<Seat, A> {
-    let all = seats(places).into_iter().zip(of_each.iter().copied());
-    let found: BTreeMap<_, _> = all.filter(|(seat, _)| matches!(seat, Seat::On(_))).collect();
-    let within = seats(places).iter().filter(|seat| matches!(seat, Seat::Within(_))).count();
-    assert_eq!(found.len() + within, places.len(), "an edge is cut twice");
-    found
-}
+use std::collections::BTreeMap;
 
 fn made<T: Sample>(dims: [u64; 3], mut sample: impl FnMut([u64; 3]) -> T) -> Volume<T> {
     let grid = Grid::new(dims, Frame::default()).unwrap();
@@ -142,48 +36,11 @@ fn mesh<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) -> Tr
     extract(view, iso, options, &Job::default()).unwrap()
 }
 
-/// Pieces and Euler characteristic.
-fn shape(mesh: &TriMesh) -> (usize, i64) {
-    let census = Census::of(mesh);
-    (census.components, census.euler)
-}
-
-/// Asserts that each copy has the same cut edges, loops, pieces and Euler characteristic, and vertices on
-/// edges at the same places but for rounding; and as nearly the same normals, if samples tell them clearly.
+/// All 48 copies in all modes, of a volume whose surface cuts some edges.
 #[track_caller]
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, tells_normals: bool) {
-    let dims = volume.grid().dims();
-    for options in modes() {
-        let options = options.with_precision(Some(Precision::F64));
-        let expected = mesh(&volume.view(), iso, &options);
-        let places: Vec<_> = expected.positions.iter().collect();
-        let loops = rims(&places, &expected.triangles, false);
-        let edges = by_edge(&places, &places);
-        assert!(edges.len() > 50);
-        let normals = by_edge(&places, &expected.normals.clone().expect("the default has some"));
-        for symmetry in Symmetry::all() {
-            let found = mesh(&symmetry.copy(volume), iso, &options);
-            let places: Vec<_> = found.positions.iter().map(|p| symmetry.back(p, dims)).collect();
-            let copied = by_edge(&places, &places);
-            assert!(copied.keys().eq(edges.keys()), "other edges, {symmetry:?}, {options:?}");
-            for (place, there) in copied.values().zip(edges.values()) {
-                let off = (0..3).map(|k| (place[k] - there[k]).abs()).fold(0.0, f64::max);
-                // A step of f64 at 16; each of the two is half a step off, and half of one where it was turned back.
-                assert!(off <= 2_f64.powi(-48), "{off:e} off at {there:?}, {symmetry:?}");
-            }
-            let copied = found.normals.clone().expect("as before");
-            let copied: Vec<_> = copied.into_iter().map(|n| symmetry.turned_back(n)).collect();
-            let copied = by_edge(&places, &copied);
-            for (edge, normal) in copied.iter().filter(|_| tells_normals) {
-                let there = normals[edge];
-                let off = (0..3).map(|k| (normal[k] - there[k]).abs()).fold(0.0, f32::max);
-                assert!(off <= 1e-5, "{normal:?}, not {there:?}, {symmetry:?}, {options:?}");
-            }
-            let copied = rims(&places, &found.triangles, symmetry.mirrors());
-            assert!(copied == loops, "other loops, {symmetry:?}, {options:?}");
-            assert_eq!(shape(&found), shape(&expected), "{symmetry:?}, {options:?}");
-        }
-    }
+    let compared = assert_symmetric(volume, iso, tells_normals);
+    assert!(compared > 50, "{compared} edges show little");
 }
 
 #[test]
@@ -328,7 +185,7 @@ fn assert_turned(there: &TriMesh, back: &TriMesh) {
         rims(&mesh.positions.iter().collect::<Vec<_>>(), &mesh.triangles, turned)
     };
     assert!(there.triangles.len() > 100 && loops(there, false) == loops(back, true));
-    assert_eq!(shape(there), shape(back));
+    assert_eq!(Census::shape(there), Census::shape(back));
 }
 
 /// On an ambiguous face the table keeps the inside apart, and negation changes what is inside: here is no such

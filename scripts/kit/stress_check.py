@@ -14,7 +14,8 @@ CRITERIA = {
     "index": "triangles that name a vertex which is not there",
     "number": "vertices whose coordinates or normals are not finite",
     "unused": "vertices that no triangle uses",
-    "empty": "1 if there is no triangle although samples lie on both sides of the isovalue",
+    "empty": "1 if there is no triangle although samples lie on both sides of the isovalue; of "
+    "isokit, where one on it is inside, and closed surfaces end outside of all samples",
     "away": "used vertices that lie in no cell with samples on both sides of the isovalue",
     "open": "sides of one triangle only, away from the border of the volume",
     "turned": "sides of two triangles that both use in the same direction",
@@ -32,8 +33,8 @@ CRITERIA = {
 AREAS = ("flat", "double")
 """The criteria on how triangles lie; the others are on what is there and how it is connected."""
 
-AWAY = 0.07
-"""How far outside its cell a vertex may lie, in samples: isokit keeps 1/16 of an edge at most."""
+AWAY = 1e-5
+"""How far outside its cell a vertex may lie, in samples: f32 rounds turned lattices so."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ class Allowed:
     """It need not enclose a volume."""
     flat: bool = False
     """Triangles may have no area, and vertices lie where others do."""
+    on_is_either: bool = True
+    """A sample on the isovalue may be inside or outside, since tools differ there; else it is inside."""
     reach: float = 2e-3
     """Samples from the border that still count as on it."""
 
@@ -87,13 +90,13 @@ def faults(mesh: Mesh, case: Case, allowed: Allowed) -> dict[str, int]:
     is_used = np.zeros(count, bool)
     is_used[triangles] = True
     found["unused"] = int((~is_used).sum())
-    found["empty"] = int(len(triangles) == 0 and crossed(case))
+    found["empty"] = int(len(triangles) == 0 and crossed(case, allowed))
     with np.errstate(all="ignore"):
         free = np.zeros(count, bool)
         places = ijk(mesh.vertices, case)
         if allowed.gaps and has_nan(case.samples):
             free |= beside_gaps(places, case.samples)
-        found["away"] = int((away(places, case) & is_used & finite & ~free).sum())
+        found["away"] = int((away(places, case, allowed) & is_used & finite & ~free).sum())
         connections(found, triangles, borders(places, case, allowed), free)
         if not allowed.flat:
             areas(found, triangles, mesh.vertices)
@@ -107,11 +110,17 @@ def has_nan(samples: np.ndarray) -> bool:
     return samples.dtype.kind == "f" and bool(np.isnan(samples).any())
 
 
-def crossed(case: Case) -> bool:
-    """Whether a surface must be there: samples on both sides, all of them numbers, in one piece."""
+def crossed(case: Case, allowed: Allowed) -> bool:
+    """Whether a surface must be there: cells with samples on both sides, all of them numbers."""
+    iso = np.float64(case.iso)
+    if not allowed.on_is_either:
+        inside = case.samples.astype(np.float64) >= iso  # what is NaN is not
+        if not allowed.border:
+            return bool(inside.any())
+        shape = case.samples.shape
+        return min(shape) > 1 and bool(inside.any() and not inside.all())
     if has_nan(case.samples) or min(case.samples.shape) < 2:
         return False
-    iso = np.float64(case.iso)
     return bool((case.samples < iso).any() and (case.samples > iso).any())
 
 
@@ -134,11 +143,11 @@ def borders(places: np.ndarray, case: Case, allowed: Allowed) -> np.ndarray:
     return bits
 
 
-def away(places: np.ndarray, case: Case) -> np.ndarray:
-    """For each vertex, whether no cell around it has samples on both sides of the isovalue.
+def away(places: np.ndarray, case: Case, allowed: Allowed) -> np.ndarray:
+    """For each vertex, whether no cell that it lies in has samples on both sides of the isovalue.
 
-    A sample on the isovalue is on both, since tools differ there. One that is NaN, and what lies
-    beyond the border, is below.
+    Where a sample on the isovalue may be on either side it is on both. One that is NaN, and what
+    lies beyond the border, is below.
     """
     lost = np.ones(len(places), bool)
     last = np.array(case.samples.shape)
@@ -154,7 +163,8 @@ def away(places: np.ndarray, case: Case) -> np.ndarray:
             at = np.clip(at, 0, last - 1)
             sample = case.samples[tuple(at.T)].astype(np.float64)
             above |= within & (sample >= case.iso)
-            below |= ~within | ~(sample > case.iso)
+            is_below = ~(sample > case.iso) if allowed.on_is_either else ~(sample >= case.iso)
+            below |= ~within | is_below
         lost[left] = ~(above & below)
     return lost
 

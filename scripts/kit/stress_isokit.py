@@ -30,7 +30,9 @@ def judge(modes: Modes, case: Case, mode: Mode, folder: Path) -> tuple[Mesh | No
         return None, wrong
     closed, exact = mode.boundary == "closed", mode.degenerate == "exact"
     # A sample on the isovalue alone is a solid of no volume if exact.
-    allowed = Allowed(border=not closed, turned_out=not closed or exact, flat=exact)
+    allowed = Allowed(
+        border=not closed, turned_out=not closed or exact, flat=exact, on_is_either=False
+    )
     return mesh, faults(mesh, case, allowed) | {"report": misreported(said, mesh, mode)}
 
 

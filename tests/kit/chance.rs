@@ -1,6 +1,6 @@
 //! Chance that is the same everywhere and every time.
 
-use std::env;
+use std::{env, num::NonZeroUsize, thread};
 
 /// SplitMix64 (Steele, Lea & Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
 #[derive(Clone, Debug)]
@@ -42,6 +42,17 @@ pub fn many(variable: &str, default: usize) -> usize {
     env::var(variable).map_or(default, parsed)
 }
 
+/// Does something for each number below `count`, on as many threads as the machine has.
+pub fn for_each_below(count: usize, each: impl Fn(usize) + Sync) {
+    let threads = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    thread::scope(|scope| {
+        for first in 0..threads {
+            let each = &each;
+            scope.spawn(move || (first..count).step_by(threads).for_each(each));
+        }
+    });
+}
+
 /// Says that so many were looked at and all were right; `scripts/sweep` prints these lines.
 #[expect(clippy::print_stdout, reason = "whoever looks at so many wants to see how many")]
 pub fn looked_at(count: usize, what: &str) {
@@ -50,13 +61,23 @@ pub fn looked_at(count: usize, what: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::Chance;
+    use super::{Chance, for_each_below};
+    use std::sync::Mutex;
 
     #[test]
     fn the_sequence_is_the_published_one() {
         let mut chance = Chance::new(1_234_567);
         let expected = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973];
         assert_eq!([chance.bits(), chance.bits()], expected);
+    }
+
+    #[test]
+    fn each_number_below_has_its_turn_once() {
+        for count in [0, 1, 7, 100] {
+            let had = Mutex::new(vec![0; count]);
+            for_each_below(count, |n| had.lock().unwrap()[n] += 1);
+            assert_eq!(had.into_inner().unwrap(), vec![1; count]);
+        }
     }
 
     #[test]

@@ -56,6 +56,17 @@ impl Census {
         census
     }
 
+    /// Connected pieces and Euler characteristic alone, in a fraction of the time.
+    ///
+    /// # Panics
+    ///
+    /// As [`Census::of`] does.
+    pub fn shape(mesh: &TriMesh) -> (usize, i64) {
+        let mut census = Self::default();
+        census.count_sides(mesh);
+        (census.components, census.euler)
+    }
+
     fn count_sides(&mut self, mesh: &TriMesh) {
         let mut sides: BTreeMap<[u32; 2], [usize; 2]> = BTreeMap::new();
         let mut pieces: Vec<usize> = (0..mesh.positions.len()).collect();

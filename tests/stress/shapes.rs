@@ -15,9 +15,15 @@ fn sizes_of_one_of_two_and_around_a_word() {
     let mut chance = Chance::new(7);
     let sizes = [[1, 1, 1], [1, 5, 4], [5, 1, 4], [5, 4, 1], [1, 1, 9], [2, 2, 2], [7, 11, 13]];
     let words = [63, 64, 65, 127, 128, 129].map(|nx| [nx, 3, 2]);
-    for dims in sizes.into_iter().chain(words).chain([[4097, 2, 3]]) {
+    for dims in sizes.into_iter().chain(words) {
         check(&made(dims, |_| chance.below(5) as i8 - 2), 0.0);
     }
+}
+
+#[test]
+fn rows_that_are_long() {
+    let mut chance = Chance::new(16);
+    check(&made([4097, 2, 3], |_| chance.below(5) as i8 - 2), 0.0);
 }
 
 #[test]
