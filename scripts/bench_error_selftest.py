@@ -23,7 +23,7 @@ from kit.bench_error_measure import (
 )
 from kit.bench_error_mesh import Mesh, from_arrays, topology
 from kit.bench_error_must import figures as promised
-from kit.bench_error_must import reach
+from kit.bench_error_must import missed, reach
 from kit.bench_error_offsets import best_by_offsets
 from kit.bench_error_tools import MODES, divided, making
 from kit.tally import Tally
@@ -258,6 +258,10 @@ def promises(tally: Tally) -> None:
     wrong = [what for what, figure in by_name.items() if (said[what] == "yes") != figure.holds()]
     tally.check("promises", "the table says what holds", not wrong, wrong)
     tally.check("promises", "and what does not", "**no**" in said.values(), said)
+    lines = missed([run | {"best_by_offsets": best}])
+    fewer = [what for what, holds in said.items() if holds == "**no**"]
+    told = all(any(what in line for line in lines) for what in fewer)
+    tally.check("promises", "a run tells what it misses", told and len(lines) == len(fewer), lines)
 
 
 def driver(tally: Tally, folder: Path) -> None:

@@ -33,6 +33,9 @@ MODES = (
     ("--topology", "table", "--placement", "linear"),
     ("--placement", "cubic", "--diagonals", "fitted"),
     ("--refine", "1", "--balance"),
+    ("--topology", "trilinear", "--placement", "linear", "--normals", "matching"),
+    ("--topology", "trilinear", "--placement", "cubic"),
+    ("--max-error", "0.05", "--balance"),
 )
 """As many as have no factor in common with the endings: seeds in a row try every pair."""
 

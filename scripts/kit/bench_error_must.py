@@ -92,6 +92,12 @@ def figures(runs: list[dict]) -> list[Figure]:
     return found + [figure for run in smooth for figure in orders(run)]
 
 
+def missed(runs: list[dict]) -> list[str]:
+    """What does not hold, in a line each; of what there is too little to find it from, nothing is said."""
+    rows = [figure.row() for figure in figures(runs) if figure.is_seen and not figure.holds()]
+    return ["{field}: {what}: {figure}, must be {must be}".format(**row).replace("*", "") for row in rows]
+
+
 def to_error(
     run: dict, what: str, asked: tuple[str, float], must: float, aim: float
 ) -> Figure:

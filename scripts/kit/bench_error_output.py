@@ -41,13 +41,14 @@ ERRORS = {
     "face normals": "face_angle",
 }
 
-def write(folder: Path) -> None:
-    """Table and plots of all files that are there."""
+def write(folder: Path) -> list[str]:
+    """Table and plots of all files that are there. What is not as it must be."""
     found = {path.stem: json.loads(path.read_text()) for path in folder.glob("*.json")}
     runs = [found[name] for name in FIELDS if name in found]
     for run in runs:
         bench_error_plots.plot(run, folder / f"{run['field']}.png")
     (folder / "results.md").write_text(table(runs))
+    return bench_error_must.missed(runs)
 
 
 def table(runs: list[dict]) -> str:

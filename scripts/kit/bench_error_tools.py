@@ -53,6 +53,7 @@ MODES = (
     "cubic refine=1",
     "cubic refine=1 balance",
     "cubic refine=2 balance",
+    "cubic max-error=0.01",
     f"linear exact {DOUBLE}",
     f"cubic exact matching {DOUBLE}",
     f"quintic exact matching {DOUBLE}",
@@ -62,7 +63,8 @@ MODES = (
 With *exact* vertices may lie on samples; without, they keep a thousandth of an edge from them, which
 matters beside an error of higher order. With *matching* normals are of the placement's order; without,
 from central differences, but where triangles are divided or balanced. With *fitted* diagonals are chosen by
-normals; without, by the table. *refine=N* divides every edge so often.
+normals; without, by the table. *refine=N* divides every edge so often, *max-error=E* those of triangles
+that leave the surface by more than E samples.
 """
 
 DRIVER = PROJECT / "target/release/examples/bench_error"
