@@ -165,13 +165,20 @@ impl<'a> BitRows<'a> {
         }
     }
 
-    /// Puts in the corners and the open cells of words of which only row and first cell are known. Their rows have cells.
+    /// Adds words with open cells, told by the number of one among all words of all rows, and in the eight lowest bits by
+    /// which of it and the seven after it they are. Their rows have cells.
     #[inline(always)]
-    pub(crate) fn look_up(&self, words: &mut [Word]) {
-        for word in words {
-            let w = word.first / WORD;
-            let whole = Word::new(self.around(word.row), w, self.cells(w));
-            (word.corners, word.active) = (whole.corners, whole.open());
+    pub(crate) fn look_up(&self, packs: &[u64], out: &mut Vec<Word>) {
+        let words = self.words();
+        for &pack in packs {
+            let (first, mut left) = ((pack >> 8) as usize, pack as u8);
+            while left != 0 {
+                let number = first + left.trailing_zeros() as usize;
+                left &= left - 1;
+                let (row, w) = (number / words, number % words);
+                let whole = Word::new(self.around(row), w, self.cells(w));
+                out.push(Word { row, cuts: [0; 8], active: whole.open(), ..whole });
+            }
         }
     }
 

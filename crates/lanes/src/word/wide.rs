@@ -8,10 +8,7 @@ mod avx512;
 
 use super::{BitRows, FACES, WORD, Word};
 use crate::euler::Bits;
-use std::{
-    iter,
-    ops::{Add, Range},
-};
+use std::ops::{Add, Range};
 
 pub(crate) use avx2::Four;
 pub(crate) use avx512::Eight;
@@ -157,20 +154,38 @@ impl<P: Pack> Group<P> {
             }
         }
     }
+}
 
-    /// Adds those of the words that hold an open cell: only where they are, for [`BitRows::look_up`]. What a loop keeps
-    /// of all words for the few of them that are open takes registers from what it does with all.
+/// Where words with an open cell are, for [`BitRows::look_up`].
+///
+/// A pack is written down whether it has one or not, and is overwritten if not: no branch is foreseen badly, and no list
+/// grows in a loop, which would take registers from all else that is done there.
+pub(crate) struct OpenPlaces {
+    /// For each pack the number of its first word among all words of all rows, and in the eight lowest bits its words that
+    /// have one.
+    packs: Vec<u64>,
+    kept: usize,
+}
+
+impl OpenPlaces {
+    /// Room for all of them, if they are wanted.
+    pub(crate) fn new<P: Pack>(groups: &Groups<'_, P>, are_wanted: bool) -> Self {
+        // The last row of all begins a pack of its own; there is room to write behind the last that is kept.
+        let most = (groups.left.len() * groups.bits.words()).div_ceil(P::WORDS) + 2;
+        Self { packs: vec![0; if are_wanted { most } else { 0 }], kept: 0 }
+    }
+
+    /// Adds a pack.
     #[inline(always)]
-    pub(crate) fn push_open_places(&self, out: &mut Vec<Word>) {
-        let open = self.open();
-        // Most have none, which is sooner seen than which have one.
-        if open.found() == 0 {
-            return;
-        }
-        for n in each(open.found()) {
-            let [row, w] = self.place(n);
-            out.push(Word { row, first: WORD * w, ..Word::default() });
-        }
+    pub(crate) fn add<P: Pack>(&mut self, group: &Group<P>) {
+        let ([row, w], open) = (group.place, group.open().found());
+        self.packs[self.kept] = ((row * group.words + w) as u64) << 8 | u64::from(open);
+        self.kept += usize::from(open != 0);
+    }
+
+    /// Those that have one, in order.
+    pub(crate) fn packs(&self) -> &[u64] {
+        &self.packs[..self.kept]
     }
 }
 
@@ -182,16 +197,6 @@ fn forward([mut row, mut w]: [usize; 2], by: usize, words: usize) -> [usize; 2] 
         (row, w) = (row + 1, w - words);
     }
     [row, w]
-}
-
-/// The places of the bits that are set.
-#[inline(always)]
-fn each(mut wanted: u8) -> impl Iterator<Item = usize> {
-    iter::from_fn(move || {
-        let n = wanted.trailing_zeros() as usize;
-        wanted &= wanted.wrapping_sub(1);
-        (n < 8).then_some(n)
-    })
 }
 
 /// The words of rows, a stretch at a time: all but the last row of all, and that one, which has no next row.
@@ -356,7 +361,7 @@ fn push_words<P: Pack>(mut groups: Groups<'_, P>, out: &mut Vec<Word>) {
 macro_rules! level {
     ($name:ident $pack:ident $features:literal) => {
         pub(super) mod $name {
-            use super::{BitRows, Groups, Range, Word, push_words, $pack};
+            use super::{BitRows, Groups, OpenPlaces, Range, Word, push_words, $pack};
 
             #[target_feature(enable = $features)]
             pub(in super::super) fn words_of_rows(
@@ -376,12 +381,13 @@ macro_rules! level {
             ) {
                 // SAFETY: as above.
                 let mut groups = unsafe { Groups::<$pack>::new(bits, rows) };
+                let mut open = OpenPlaces::new(&groups, true);
                 while let Some(mut stretch) = groups.next() {
                     while let Some(group) = stretch.next() {
-                        group.push_open_places(out);
+                        open.add(&group);
                     }
                 }
-                bits.look_up(out);
+                bits.look_up(open.packs(), out);
             }
         }
     };
