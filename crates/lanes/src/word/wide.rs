@@ -170,8 +170,8 @@ pub(crate) struct OpenPlaces {
 impl OpenPlaces {
     /// Room for all of them, if they are wanted.
     pub(crate) fn new<P: Pack>(groups: &Groups<'_, P>, are_wanted: bool) -> Self {
-        // The last row of all begins a pack of its own; there is room to write behind the last that is kept.
-        let most = (groups.left.len() * groups.bits.words()).div_ceil(P::WORDS) + 2;
+        // The last row of all begins a pack of its own.
+        let most = (groups.left.len() * groups.bits.words()).div_ceil(P::WORDS) + 1;
         Self { packs: vec![0; if are_wanted { most } else { 0 }], kept: 0 }
     }
 
