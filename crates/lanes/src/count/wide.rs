@@ -4,7 +4,7 @@ use super::RowCounts;
 use crate::{
     BitRows, Word,
     euler::triangles,
-    word::wide::{Eight, Four, Group, Groups, OpenPlaces, Pack},
+    word::wide::{Eight, Four, Group, Groups, OpenPlaces, Pack, PackRoom},
 };
 use std::ops::Range;
 
@@ -42,7 +42,12 @@ fn count_groups<P: Pack>(
     out: &mut [RowCounts],
     open: Option<&mut Vec<Word>>,
 ) {
-    let mut places = OpenPlaces::new(&groups, open.is_some());
+    let mut room;
+    let mut places = OpenPlaces::none();
+    if open.is_some() {
+        room = PackRoom::new();
+        places = OpenPlaces::new(&groups, &mut room);
+    }
     while let Some(mut stretch) = groups.next() {
         let mask = if stretch.has_cells() { u64::MAX } else { u64::MAX >> 16 };
         while let Some(group) = stretch.next() {

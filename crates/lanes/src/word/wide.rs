@@ -5,6 +5,7 @@ mod operators;
 
 mod avx2;
 mod avx512;
+mod open;
 
 use super::{BitRows, FACES, WORD, Word};
 use crate::euler::Bits;
@@ -12,6 +13,7 @@ use std::ops::{Add, Range};
 
 pub(crate) use avx2::Four;
 pub(crate) use avx512::Eight;
+pub(crate) use open::{OpenPlaces, PackRoom};
 
 /// Words in a register. Who holds one has the instructions: only the unsafe functions make one from nothing.
 pub(crate) trait Pack: Bits + Add<Output = Self> {
@@ -153,39 +155,6 @@ impl<P: Pack> Group<P> {
                 });
             }
         }
-    }
-}
-
-/// Where words with an open cell are, for [`BitRows::look_up`].
-///
-/// A pack is written down whether it has one or not, and is overwritten if not: no branch is foreseen badly, and no list
-/// grows in a loop, which would take registers from all else that is done there.
-pub(crate) struct OpenPlaces {
-    /// For each pack the number of its first word among all words of all rows, and in the eight lowest bits its words that
-    /// have one.
-    packs: Vec<u64>,
-    kept: usize,
-}
-
-impl OpenPlaces {
-    /// Room for all of them, if they are wanted.
-    pub(crate) fn new<P: Pack>(groups: &Groups<'_, P>, are_wanted: bool) -> Self {
-        // The last row of all begins a pack of its own.
-        let most = (groups.left.len() * groups.bits.words()).div_ceil(P::WORDS) + 1;
-        Self { packs: vec![0; if are_wanted { most } else { 0 }], kept: 0 }
-    }
-
-    /// Adds a pack.
-    #[inline(always)]
-    pub(crate) fn add<P: Pack>(&mut self, group: &Group<P>) {
-        let ([row, w], open) = (group.place, group.open().found());
-        self.packs[self.kept] = ((row * group.words + w) as u64) << 8 | u64::from(open);
-        self.kept += usize::from(open != 0);
-    }
-
-    /// Those that have one, in order.
-    pub(crate) fn packs(&self) -> &[u64] {
-        &self.packs[..self.kept]
     }
 }
 
@@ -361,7 +330,7 @@ fn push_words<P: Pack>(mut groups: Groups<'_, P>, out: &mut Vec<Word>) {
 macro_rules! level {
     ($name:ident $pack:ident $features:literal) => {
         pub(super) mod $name {
-            use super::{BitRows, Groups, OpenPlaces, Range, Word, push_words, $pack};
+            use super::{BitRows, Groups, OpenPlaces, PackRoom, Range, Word, push_words, $pack};
 
             #[target_feature(enable = $features)]
             pub(in super::super) fn words_of_rows(
@@ -381,7 +350,8 @@ macro_rules! level {
             ) {
                 // SAFETY: as above.
                 let mut groups = unsafe { Groups::<$pack>::new(bits, rows) };
-                let mut open = OpenPlaces::new(&groups, true);
+                let mut room = PackRoom::new();
+                let mut open = OpenPlaces::new(&groups, &mut room);
                 while let Some(mut stretch) = groups.next() {
                     while let Some(group) = stretch.next() {
                         open.add(&group);

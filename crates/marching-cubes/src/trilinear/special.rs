@@ -59,7 +59,7 @@ impl SpecialCells {
                 rest &= rest - 1;
                 let (x, case) = (word.first + n as usize, word.case(n));
                 let cell = values.cell(case, [x, word.row, z]);
-                if self.add(&cell, [x, word.row]) {
+                if self.add(&cell, x as u32, word.row as u32) {
                     found(word.row, case);
                 }
             }
@@ -67,7 +67,7 @@ impl SpecialCells {
     }
 
     /// Says whether the cell is special.
-    fn add(&mut self, cell: &Cell, [x, y]: [usize; 2]) -> bool {
+    fn add(&mut self, cell: &Cell, x: u32, y: u32) -> bool {
         let verdict = cell.verdict();
         self.singular += u64::from(verdict.is_singular);
         if verdict.is_plain() {
@@ -77,7 +77,7 @@ impl SpecialCells {
         self.vertices += patch.vertices() as u64;
         self.triangles += patch.triangles() as u64;
         let (joined, tunnel) = (verdict.joined, verdict.tunnel);
-        self.cells.push(Special { x: x as u32, y: y as u32, joined, tunnel });
+        self.cells.push(Special { x, y, joined, tunnel });
         true
     }
 
