@@ -262,6 +262,13 @@ def promises(tally: Tally) -> None:
     fewer = [what for what, holds in said.items() if holds == "**no**"]
     told = all(any(what in line for line in lines) for what in fewer)
     tally.check("promises", "a run tells what it misses", told and len(lines) == len(fewer), lines)
+    few = run | {"points": [p for p in points if p["tool"].startswith("isokit")][:2]}
+    lines = missed([few | {"best_by_offsets": []}])
+    tally.check("promises", "and nothing of what it could not tell", lines == [], lines)
+    theirs = [point for point in points if not point["tool"].startswith("isokit")]
+    lines = missed([run | {"points": theirs, "best_by_offsets": []}])
+    alone = [line for line in lines if "times less" in line]
+    tally.check("promises", "what only peers reach is missed", len(alone) == len(lines) > 0, lines)
 
 
 def driver(tally: Tally, folder: Path) -> None:

@@ -60,6 +60,8 @@ PLACES = (
 )
 """Every pair of format and mode meets the next one in turn."""
 
+ALL = len(ENDINGS) * len(MODES) * len(PLACES)
+
 
 def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:
     """Everything that is wrong with the surface of one volume."""
@@ -127,7 +129,7 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("isokit", type=Path, help="the program to try")
-    parser.add_argument("--count", type=int, default=1000, help="volumes; default: 1000")
+    parser.add_argument("--count", type=int, default=ALL, help=f"volumes; default: {ALL}")
     arguments = parser.parse_args()
     tally = Tally("check_ties", quiet=True)
     with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(2) as processes:

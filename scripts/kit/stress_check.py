@@ -34,7 +34,9 @@ AREAS = ("flat", "double")
 """The criteria on how triangles lie; the others are on what is there and how it is connected."""
 
 AWAY = 1e-5
-"""How far outside its cell a vertex may lie, in samples: f32 rounds turned lattices so."""
+"""How far outside its cell a vertex may lie, in samples: in f32 those of turned lattices are rounded, by a tenth of it
+on volumes of the list's extent.
+"""
 
 
 @dataclass(frozen=True)
@@ -111,10 +113,13 @@ def has_nan(samples: np.ndarray) -> bool:
 
 
 def crossed(case: Case, allowed: Allowed) -> bool:
-    """Whether a surface must be there: cells with samples on both sides, all of them numbers."""
+    """Whether a surface must be there: samples on both sides, in cells and all of them numbers.
+
+    Where one on the isovalue is inside, NaN is outside; and a closed surface needs one inside only.
+    """
     iso = np.float64(case.iso)
     if not allowed.on_is_either:
-        inside = case.samples.astype(np.float64) >= iso  # what is NaN is not
+        inside = case.samples.astype(np.float64) >= iso
         if not allowed.border:
             return bool(inside.any())
         shape = case.samples.shape

@@ -1,17 +1,19 @@
 //! What a surface cuts off within each cell, told from the samples and the cell's own triangles.
 
+use crate::sampled;
 use isokit::{
     geom::Frame,
     job::Job,
-    marching_cubes::{Boundary, ExtractOptions, Topology, extract_into},
+    marching_cubes::{Boundary, ExtractOptions, Topology, extract, extract_into},
     mesh::{Precision, TriMesh},
     volume::{Sample, View},
 };
 use isokit_tests::{
     check::{Census, sides_of},
+    fields,
     symmetry::{Seat, cell_of, seats},
 };
-use std::{array::from_fn, collections::BTreeMap};
+use std::{array::from_fn, collections::BTreeMap, f64::consts::PI};
 
 type Corner = [i64; 3];
 
@@ -26,7 +28,7 @@ struct Cells<'a, T: Sample> {
 
 /// Asserts that each vertex is within its own edge, which has a sample on each side of the isovalue, or within a cell that
 /// has; that what is inside of a cell is no less than nothing and no more than the cell, by the table; and that all of it
-/// together is what the closed surface encloses.
+/// together is what a closed surface encloses.
 #[track_caller]
 pub(crate) fn assert_in_cells<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) {
     let options = options.clone().with_precision(Some(Precision::F64));
@@ -145,4 +147,30 @@ impl<'a, T: Sample> Cells<'a, T> {
 
 fn determinant([p, q, r]: [[f64; 3]; 3]) -> f64 {
     (0..3).map(|k| p[k] * (q[(k + 1) % 3] * r[(k + 2) % 3] - q[(k + 2) % 3] * r[(k + 1) % 3])).sum()
+}
+
+/// Of a ball the sum of all cells is near to its volume, and a triangle that is turned over or missing shows in its cell alone.
+#[test]
+fn a_triangle_that_is_turned_over_or_missing_shows_in_its_cell() {
+    let ball = sampled(&fields::sphere(0.7), 17);
+    let options = ExtractOptions::DEFAULT.with_precision(Some(Precision::F64));
+    let mut mesh = extract(&ball.view(), 0.0, &options, &Job::default()).unwrap();
+    let volumes = |mesh: &TriMesh| Cells::of(ball.view(), 0.0, mesh).volumes(mesh);
+    let whole = volumes(&mesh);
+    let sum = whole.values().sum::<f64>() + Cells::of(ball.view(), 0.0, &mesh).whole() as f64;
+    let expected = 4.0 / 3.0 * PI * (0.7_f64 * 8.0).powi(3);
+    assert!((sum / expected - 1.0).abs() < 0.02, "{sum}, not {expected}");
+    let [a, b, c] = mesh.triangles[40];
+    let cell = cell_of(mesh.corners([a, b, c]));
+    let others = |volumes: &BTreeMap<Corner, f64>| {
+        volumes
+            .iter()
+            .filter(|(key, value)| whole[*key] != **value)
+            .map(|(key, _)| *key)
+            .collect::<Vec<_>>()
+    };
+    mesh.triangles[40] = [a, c, b];
+    assert_eq!(others(&volumes(&mesh)), [cell]);
+    mesh.triangles.remove(40);
+    assert_eq!(others(&volumes(&mesh)), [cell]);
 }

@@ -105,7 +105,8 @@ fn assert_encloses(mesh: &TriMesh, volume: f64) {
     }
 }
 
-/// Each vertex, as it is stored, lies in the closed box of a cell with samples on both sides of the isovalue.
+/// Each vertex, as it is stored, lies in the closed box of a cell with samples on both sides of the isovalue, but for what
+/// f32 rounds where the frame is turned.
 #[track_caller]
 fn assert_beside_crossed<T: Sample>(mesh: &TriMesh, view: &View<'_, T>, iso: f64) {
     const MARGIN: f64 = 1e-5;

@@ -261,7 +261,8 @@ mod tests {
         };
         let table = array::from_fn(by_loops);
         let mut words = vec![];
-        for points in (1..=200_usize).chain([511, 512, 513, 600, 1100, 9000, 33000]) {
+        for points in (1..=200_usize).chain([511, 512, 513, 600, 1100, 9000, 33000, 70_000, 70_001])
+        {
             for kind in 0..4 {
                 let rows = 1 + chance() as usize % 7;
                 let mut slice = || -> Vec<u64> {

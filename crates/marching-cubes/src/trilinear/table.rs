@@ -77,7 +77,7 @@ pub(super) fn resolved(code: u8, joined: u8) -> &'static Resolved {
     &RESOLVED[number(code, joined)]
 }
 
-/// Whether it has more than one loop. All answers lie in the first cache, and rows do not.
+/// Whether it has more than one loop: what is asked of each open cell, without a look at its row.
 pub(super) fn has_several_loops(code: u8, joined: u8) -> bool {
     static SEVERAL: [bool; RESOLVED.len()] = {
         let mut several = [false; RESOLVED.len()];
