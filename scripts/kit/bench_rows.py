@@ -1,6 +1,7 @@
 """The rows that compare isokit with other programs. Standard library only."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from statistics import median
 
 from kit.bench_measure import RUST_PEERS, Bench, Entry, Series, extract
@@ -99,45 +100,66 @@ def real(bench: Bench, store: Store) -> None:
                 against_edges(bench, volume, "real", *settings, must=3.5, aim=8.0)
 
 
+@dataclass(frozen=True)
+class Change:
+    """An option whose cost is measured, and beside what."""
+
+    option: str
+    request: dict
+    normals: bool = True
+    warm: bool = True
+    limits: dict[str, float] = field(default_factory=dict)
+
+    def what(self) -> str:
+        """For the table."""
+        kind, memory = "gradient" if self.normals else "no", "warm" if self.warm else "cold"
+        return f"{kind} normals, {memory}, 1 thread, {self.option} vs without"
+
+
+TRILINEAR = Change(
+    "--topology trilinear", {"topology": "trilinear"}, limits={"must": 1.10, "aim": 1.03}
+)
+CUBIC = Change("--placement cubic", {"placement": "cubic"}, False, limits={"must": 1.15})
+MATCHING = {"gradient": "matching"}
+CHANGES = (
+    TRILINEAR,
+    replace(TRILINEAR, warm=False),
+    CUBIC,
+    replace(CUBIC, warm=False),
+    Change("--placement cubic", {"placement": "cubic"}),
+    Change("--placement cubic --normals matching", {"placement": "cubic"} | MATCHING),
+    Change("--placement quintic", {"placement": "quintic"}, False),
+    Change("--placement quintic", {"placement": "quintic"}),
+    Change("--placement quintic --normals matching", {"placement": "quintic"} | MATCHING),
+    Change("--diagonals fitted", {"diagonals": "fitted"}),
+)
+"""The two with limits in used memory, where little else takes time, and in fresh memory, as commands have it."""
+
+
 def modes(bench: Bench, store: Store) -> None:
     """What topology, placement, normals and diagonals cost, on scans and on all together."""
-    matching = {"gradient": "matching"}
-    changes = (
-        ("--topology trilinear", {"topology": "trilinear"}, True, {"must": 1.10, "aim": 1.03}),
-        ("--placement cubic", {"placement": "cubic"}, False, {"must": 1.15}),
-        ("--placement cubic", {"placement": "cubic"}, True, {}),
-        ("--placement cubic --normals matching", {"placement": "cubic"} | matching, True, {}),
-        ("--placement quintic", {"placement": "quintic"}, False, {}),
-        ("--placement quintic", {"placement": "quintic"}, True, {}),
-        ("--placement quintic --normals matching", {"placement": "quintic"} | matching, True, {}),
-        ("--diagonals fitted", {"diagonals": "fitted"}, True, {}),
-    )
-    seconds: dict[int, list[list[list[float]]]] = {n: [] for n in range(len(changes))}
-
-    def what(option: str, normals: bool) -> str:
-        kind = "gradient" if normals else "no"
-        return f"{kind} normals, warm, 1 thread, {option} vs without"
-
+    seconds: dict[str, list[list[list[float]]]] = {change.what(): [] for change in CHANGES}
     for volume in scans(bench, store, "modes"):
         with bench.workers():
-            for n, (option, change, normals, limits) in enumerate(changes):
-                plain = extract(volume, normals=normals, warm=True)
-                requests = (plain | change, plain)
-                done = bench.run([Entry("isokit", volume, one, True) for one in requests])
+            for change in CHANGES:
+                plain = extract(volume, normals=change.normals, warm=change.warm)
+                requests = (plain | change.request, plain)
+                done = bench.run([Entry("isokit", volume, one, change.warm) for one in requests])
                 bench.compare(
                     *done,
                     row="modes",
-                    work=f"{volume.name} {volume.dtype}, {what(option, normals)}",
+                    work=f"{volume.name} {volume.dtype}, {change.what()}",
                     at_least=False,
-                    **limits,
+                    **change.limits,
                 )
                 if all(done):
-                    seconds[n].append([series.seconds for series in done])
-    for n, (option, _, normals, limits) in enumerate(changes):
-        if len(seconds[n]) > 1:
-            sides = zip(*seconds[n], strict=True)
+                    seconds[change.what()].append([series.seconds for series in done])
+    for change in CHANGES:
+        measured = seconds[change.what()]
+        if len(measured) > 1:
+            sides = zip(*measured, strict=True)
             # The last rounds, as many as the scan with the fewest has.
-            rounds = min(len(series) for series, _ in seconds[n])
+            rounds = min(len(series) for series, _ in measured)
             last = ([series[-rounds:] for series in side] for side in sides)
             ours, theirs = ([sum(runs) for runs in zip(*side, strict=True)] for side in last)
             bench.add(
@@ -145,9 +167,9 @@ def modes(bench: Bench, store: Store) -> None:
                 f"{1e3 * median(ours):.1f} ms",
                 f"{1e3 * median(theirs):.1f} ms",
                 row="modes",
-                work=f"all scans together, {what(option, normals)}",
+                work=f"all scans together, {change.what()}",
                 at_least=False,
-                **limits,
+                **change.limits,
             )
 
 
