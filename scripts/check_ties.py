@@ -61,6 +61,7 @@ PLACES = (
 """Every pair of format and mode meets the next one in turn."""
 
 ALL = len(ENDINGS) * len(MODES) * len(PLACES)
+"""Seeds in which every format meets every mode in every place."""
 
 
 def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:

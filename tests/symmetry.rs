@@ -10,7 +10,7 @@ use isokit::{
         Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
     },
     mesh::TriMesh,
-    volume::{Dtype, Grid, Sample, View, Volume},
+    volume::{Dtype, Sample, View, Volume},
 };
 use isokit_tests::{
     chance::Chance,
@@ -18,19 +18,9 @@ use isokit_tests::{
     fields, hard,
     modes::modes,
     symmetry::{Seat, Symmetry, assert_symmetric, rims, seats},
+    volumes::{made, noise},
 };
 use std::collections::BTreeMap;
-
-fn made<T: Sample>(dims: [u64; 3], mut sample: impl FnMut([u64; 3]) -> T) -> Volume<T> {
-    let grid = Grid::new(dims, Frame::default()).unwrap();
-    let at = |n: u64| sample([n % dims[0], n / dims[0] % dims[1], n / dims[0] / dims[1]]);
-    Volume::new(grid, (0..grid.count()).map(at).collect()).unwrap()
-}
-
-fn chance(dims: [u64; 3], seed: u64) -> Volume<f32> {
-    let mut chance = Chance::new(seed);
-    made(dims, |_| (chance.unit() * 2.0 - 1.0) as f32)
-}
 
 fn mesh<T: Sample>(view: &View<'_, T>, iso: f64, options: &ExtractOptions) -> TriMesh {
     extract(view, iso, options, &Job::default()).unwrap()
@@ -74,7 +64,7 @@ fn a_smooth_shape_in_forty_eight_copies() {
 #[test]
 fn chance_in_forty_eight_copies() {
     for seed in 0..4 {
-        check(&chance([7, 6, 5], seed), 0.1, true);
+        check(&noise([7, 6, 5], seed), 0.1, true);
     }
 }
 
@@ -109,9 +99,9 @@ fn extremes_in_forty_eight_copies() {
 /// see how its sum with the place of the edge was rounded.)
 #[test]
 fn an_edge_is_cut_in_the_same_share_to_the_bit() {
-    same_shares(&chance([3, 4, 3], 9), Placement::Linear);
-    same_shares(&chance([4, 3, 5], 9), Placement::Cubic);
-    same_shares(&chance([7, 2, 3], 9), Placement::Quintic);
+    same_shares(&noise([3, 4, 3], 9), Placement::Linear);
+    same_shares(&noise([4, 3, 5], 9), Placement::Cubic);
+    same_shares(&noise([7, 2, 3], 9), Placement::Quintic);
 }
 
 #[track_caller]
@@ -135,7 +125,7 @@ fn same_shares(volume: &Volume<f32>, placement: Placement) {
         }
         shares
     };
-    let expected = shares(Symmetry { axes: [0, 1, 2], flips: [false; 3] });
+    let expected = shares(Symmetry::NONE);
     assert!(expected.len() > 25, "{} edges show little", expected.len());
     for symmetry in Symmetry::all() {
         assert_eq!(shares(symmetry), expected, "{symmetry:?}");
@@ -162,7 +152,7 @@ fn a_negated_volume_has_the_same_vertices_and_turned_normals() {
         (Placement::Quintic, Gradient::Central),
         (Placement::Quintic, Gradient::Matching),
     ];
-    for ((volume, iso), (placement, gradient)) in [(&odd, 0.0), (&chance([6, 5, 7], 4), 0.125)]
+    for ((volume, iso), (placement, gradient)) in [(&odd, 0.0), (&noise([6, 5, 7], 4), 0.125)]
         .into_iter()
         .flat_map(|one| ways.map(|way| (one, way)))
     {
@@ -206,14 +196,14 @@ fn a_negated_smooth_shape_is_the_same_surface_seen_from_the_other_side() {
 fn negated_chance_is_the_same_trilinear_surface_seen_from_the_other_side() {
     for seed in 0..20 {
         let options = ExtractOptions::DEFAULT.with_topology(Topology::Trilinear);
-        let [there, back] = both_sides(&chance([6, 7, 5], seed), 0.125, options);
+        let [there, back] = both_sides(&noise([6, 7, 5], seed), 0.125, options);
         assert_turned(&there, &back);
     }
 }
 
 #[test]
 fn chance_times_a_power_of_two_gives_the_same_bytes() {
-    let volume = chance([9, 8, 7], 11);
+    let volume = noise([9, 8, 7], 11);
     for options in modes() {
         let expected = mesh(&volume.view(), 0.125, &options);
         for power in [-90, -1, 1, 90] {

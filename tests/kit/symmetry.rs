@@ -24,6 +24,9 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
+    /// What leaves all as it is.
+    pub const NONE: Self = Self { axes: [0, 1, 2], flips: [false; 3] };
+
     /// Each once.
     pub fn all() -> Vec<Self> {
         let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
@@ -160,8 +163,7 @@ struct Common {
 impl<'a, T: Sample> Original<'a, T> {
     fn of(volume: &'a Volume<T>, iso: f64, options: &ExtractOptions, tells_normals: bool) -> Self {
         let options = options.clone().with_precision(Some(Precision::F64));
-        let itself = Symmetry { axes: [0, 1, 2], flips: [false; 3] };
-        let surface = Common::of(itself, volume, iso, (&options, tells_normals));
+        let surface = Common::of(Symmetry::NONE, volume, iso, (&options, tells_normals));
         Self { volume, iso, options, tells_normals, surface }
     }
 

@@ -3,8 +3,20 @@
 use crate::{chance::Chance, fields::Field};
 use isokit::{
     geom::{Affine, Frame},
-    volume::{Grid, Volume},
+    volume::{Grid, Sample, Volume},
 };
+
+/// A sample for each place, in the order in which they are stored.
+///
+/// # Panics
+///
+/// If a size is 0.
+pub fn made<T: Sample>(dims: [u64; 3], sample: impl FnMut([u64; 3]) -> T) -> Volume<T> {
+    let grid = Grid::new(dims, Frame::default()).expect("sizes that are not 0");
+    let at = |n: u64| [n % dims[0], n / dims[0] % dims[1], n / dims[0] / dims[1]];
+    let samples = (0..grid.count()).map(at).map(sample).collect();
+    Volume::new(grid, samples).expect("one sample for each place")
+}
 
 /// A field on the cube from −1 to 1, so many samples along each axis.
 pub fn cube(field: &Field, points: u64) -> Volume<f64> {
@@ -32,10 +44,8 @@ pub fn placed(field: &Field, dims: [u64; 3], index_to_world: Affine) -> Volume<f
 ///
 /// If a size is 0.
 pub fn ties(dims: [u64; 3], most: u64, seed: u64) -> Volume<i8> {
-    let (grid, mut chance) =
-        (Grid::new(dims, Frame::default()).expect("a lattice"), Chance::new(seed));
-    let mut value = |_| chance.below(2 * most + 1) as i8 - most as i8;
-    Volume::new(grid, (0..grid.count()).map(&mut value).collect()).expect("one for each place")
+    let mut chance = Chance::new(seed);
+    made(dims, |_| chance.below(2 * most + 1) as i8 - most as i8)
 }
 
 /// Numbers from −1 to 1.
@@ -44,8 +54,6 @@ pub fn ties(dims: [u64; 3], most: u64, seed: u64) -> Volume<i8> {
 ///
 /// If a size is 0.
 pub fn noise(dims: [u64; 3], seed: u64) -> Volume<f32> {
-    let (grid, mut chance) =
-        (Grid::new(dims, Frame::default()).expect("a lattice"), Chance::new(seed));
-    let mut value = |_| (2.0 * chance.unit() - 1.0) as f32;
-    Volume::new(grid, (0..grid.count()).map(&mut value).collect()).expect("one for each place")
+    let mut chance = Chance::new(seed);
+    made(dims, |_| (2.0 * chance.unit() - 1.0) as f32)
 }

@@ -12,20 +12,19 @@ mod saddles;
 mod shapes;
 mod values;
 
-use cells::assert_in_cells;
+use cells::{assert_in_cells, is_inside};
 use isokit::{
-    geom::Frame,
     job::{Job, Threads},
     marching_cubes::{
         Boundary, Budget, Degenerate, Diagonals, ExtractOptions, Placement, Slabs, Source,
         Topology, extract, extract_many, extract_slabs,
     },
     mesh::TriMesh,
-    volume::{Bricks, Grid, Sample, Slices, View, Volume},
+    volume::{Bricks, Sample, Slices, View, Volume},
 };
 use isokit_tests::{
     check::Census, fields::Field, modes::modes, oracle::assert_as_defined, reference::Surface,
-    symmetry::assert_symmetric_in_turn,
+    symmetry::assert_symmetric_in_turn, volumes::made,
 };
 use std::{array::from_fn, num::NonZeroUsize, sync::OnceLock};
 
@@ -111,16 +110,12 @@ fn assert_encloses(mesh: &TriMesh, volume: f64) {
 fn assert_beside_crossed<T: Sample>(mesh: &TriMesh, view: &View<'_, T>, iso: f64) {
     const MARGIN: f64 = 1e-5;
     let index_to_world = view.frame().index_to_world;
-    let dims = view.dims().map(|n| n as i64);
-    let is_inside = |ijk: [i64; 3]| {
-        (0..3).all(|k| (0..dims[k]).contains(&ijk[k])) && view.value(ijk.map(|i| i as usize)) >= iso
-    };
     for place in mesh.positions.iter() {
         let place = index_to_world.inverse_point(place);
         let is_crossed = (0..8).any(|side: i64| {
             let reach = |k: usize| if side >> k & 1 == 1 { MARGIN } else { -MARGIN };
             let cell: [i64; 3] = from_fn(|k| (place[k] + reach(k)).floor() as i64);
-            let corner = |n: i64| is_inside(from_fn(|k| cell[k] + (n >> k & 1)));
+            let corner = |n: i64| is_inside(view, iso, from_fn(|k| cell[k] + (n >> k & 1)));
             (0..8).any(corner) && !(0..8).all(corner)
         });
         assert!(is_crossed, "{place:?} is in no cell that the surface crosses, iso {iso}");
@@ -171,12 +166,6 @@ fn bits(mesh: &TriMesh) -> (Vec<u64>, Vec<u32>, &[[u32; 3]]) {
     let positions = mesh.positions.iter().flatten().map(f64::to_bits);
     let normals = mesh.normals.iter().flatten().flatten().map(|c| c.to_bits());
     (positions.collect(), normals.collect(), &mesh.triangles)
-}
-
-fn made<T: Sample>(dims: [u64; 3], sample: impl FnMut([u64; 3]) -> T) -> Volume<T> {
-    let grid = Grid::new(dims, Frame::default()).unwrap();
-    let at = |n: u64| [n % dims[0], n / dims[0] % dims[1], n / dims[0] / dims[1]];
-    Volume::new(grid, (0..grid.count()).map(at).map(sample).collect()).unwrap()
 }
 
 fn sampled(field: &Field, points: u64) -> Volume<f64> {

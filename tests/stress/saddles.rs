@@ -1,7 +1,7 @@
 //! Saddles on the isovalue: items 20 to 22 of the list. That trilinear topology is right there is certified in
 //! `tests/trilinear.rs`.
 
-use crate::{check, made};
+use crate::check;
 use isokit::{
     geom::Frame,
     job::Job,
@@ -9,7 +9,7 @@ use isokit::{
     mesh::TriMesh,
     volume::{Grid, Volume},
 };
-use isokit_tests::chance::Chance;
+use isokit_tests::{chance::Chance, volumes::made};
 
 /// Checks each cell alone, and all of them in a row, apart, in samples that are all `between`. Gives how many
 /// of the cells alone are singular, which trilinear topology counts.

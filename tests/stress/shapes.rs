@@ -1,6 +1,6 @@
 //! Sizes, shapes and layouts on which extractors break: items 15 to 19, 23 and 24 of the list.
 
-use crate::{check, check_view, made, options, sampled};
+use crate::{check, check_view, options, sampled};
 use isokit::{
     geom::Frame,
     job::{Job, Limits},
@@ -8,7 +8,7 @@ use isokit::{
     mesh::TriMesh,
     volume::{Grid, Sample, View},
 };
-use isokit_tests::{chance::Chance, fields, oracle::assert_as_defined};
+use isokit_tests::{chance::Chance, fields, oracle::assert_as_defined, volumes::made};
 
 #[test]
 fn sizes_of_one_of_two_and_around_a_word() {

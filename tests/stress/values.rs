@@ -1,12 +1,13 @@
 //! Values on which extractors break: items 1 to 12 and 25 of the list.
 
-use crate::{bits, check, made, mesh, options, sampled};
+use crate::{bits, check, mesh, options, sampled};
 use isokit::{
     marching_cubes::{Boundary, Degenerate, ExtractOptions, Nan},
     volume::{Sample, Volume},
 };
 use isokit_tests::{
     chance::Chance, fields, modes::modes, oracle::assert_as_defined, reference::Surface,
+    volumes::made,
 };
 use std::fmt::Debug;
 

@@ -3,7 +3,7 @@
 use super::{
     decide::{Interior, Saddle, around},
     number::{Unit, ask},
-    table::{AMBIGUOUS, Resolved, has_several_loops, resolved},
+    table::{AMBIGUOUS, Resolved, resolved},
 };
 use isokit_geom::cube::{Corner, Face};
 use isokit_lanes::{Samples, Word};
@@ -67,9 +67,9 @@ impl<'a, T: Sample> Values<'a, T> {
                 true => u8::MAX,
                 false => values.iter().rev().fold(0, |all, v| all << 1 | u8::from(v.is_finite())),
             };
-            return Cell { code, known, values, short: self.unit.short(values) };
+            return Cell { code, known, values, unit: self.unit };
         }
-        let mut cell = Cell { code, known: 0, values: [0.0; 8], short: None };
+        let mut cell = Cell { code, known: 0, values: [0.0; 8], unit: self.unit };
         for (k, corner) in cell.values.iter_mut().enumerate() {
             let ijk: [usize; 3] = std::array::from_fn(|axis| low[axis].wrapping_add(k >> axis & 1));
             if (0..3).all(|axis| ijk[axis] < dims[axis]) {
@@ -77,7 +77,6 @@ impl<'a, T: Sample> Values<'a, T> {
                 cell.known |= u8::from(corner.is_finite()) << k;
             }
         }
-        cell.short = self.unit.short(cell.values);
         cell
     }
 }
@@ -91,8 +90,8 @@ pub(crate) struct Cell {
     pub(super) known: u8,
     /// Less the isovalue.
     pub(super) values: [f64; 8],
-    /// The same as whole numbers, where a [`Unit`] makes short ones of all.
-    pub(super) short: Option<[i64; 8]>,
+    /// Of which all values may be whole multiples.
+    pub(super) unit: Unit,
 }
 
 /// What the values of a cell whose code is not simple decide.
@@ -130,22 +129,25 @@ impl Cell {
 
     /// The same with slices across a given axis.
     pub(super) fn verdict_along(&self, axis: usize) -> Verdict {
+        let short = self.unit.short(self.values);
         let mut verdict = Verdict { joined: 0, tunnel: None, is_singular: false };
         let faces = AMBIGUOUS[usize::from(self.code)];
         let mut rest = faces;
         while rest != 0 {
             let face = rest.trailing_zeros() as u8;
             rest &= rest - 1;
-            let saddle = self.saddle(Face::new(face));
+            let saddle = self.saddle(Face::new(face), short);
             verdict.joined |= u8::from(saddle != Ordering::Less) << face;
             verdict.is_singular |= saddle == Ordering::Equal;
         }
         // Two corners of a face, all others on the other side, are joined across it or not at all (`decide.rs`).
         let are_two_of_a_face = faces != 0 && matches!(self.code.count_ones(), 2 | 6);
         // Where some corner has no finite value nothing is joined in the interior.
-        let is_asked = !are_two_of_a_face && self.known == u8::MAX;
-        if is_asked && has_several_loops(self.code, verdict.joined) {
-            self.look_inside(axis, self.resolved(verdict.joined), &mut verdict);
+        if !are_two_of_a_face && self.known == u8::MAX {
+            let row = self.resolved(verdict.joined);
+            if row.discs.len() > 1 {
+                self.look_inside(axis, row, short, &mut verdict);
+            }
         }
         verdict
     }
@@ -155,13 +157,13 @@ impl Cell {
     /// A corner that is outside without a finite value is infinitely low, and keeps the inside apart;
     /// where there is none, one inside that is infinite joins it.
     #[inline(always)]
-    fn saddle(&self, face: Face) -> Ordering {
+    fn saddle(&self, face: Face, short: Option<[i64; 8]>) -> Ordering {
         let corners = face.corners().map(Corner::index);
         if self.known != u8::MAX {
             return self.saddle_of_some(corners);
         }
         let of_face = |short: [i64; 8]| corners.map(|k| short[k]);
-        let saddle = ask(&Saddle, corners.map(|k| self.values[k]), self.short.map(of_face));
+        let saddle = ask(&Saddle, corners.map(|k| self.values[k]), short.map(of_face));
         // Seen from a corner that is outside, the two diagonals have changed places.
         if self.is_inside(corners[0]) { saddle } else { saddle.reverse() }
     }
@@ -183,8 +185,14 @@ impl Cell {
         ask(&Saddle, corners.map(|k| self.values[k]), None)
     }
 
-    fn look_inside(&self, axis: usize, row: &Resolved, verdict: &mut Verdict) {
-        let Some(body) = ask(&Interior { axis }, self.values, self.short) else { return };
+    fn look_inside(
+        &self,
+        axis: usize,
+        row: &Resolved,
+        short: Option<[i64; 8]>,
+        verdict: &mut Verdict,
+    ) {
+        let Some(body) = ask(&Interior { axis }, self.values, short) else { return };
         verdict.is_singular |= body.value == Ordering::Equal;
         let low = around(axis);
         let ends = [low[body.first], low[body.first + 2]].map(|k| {

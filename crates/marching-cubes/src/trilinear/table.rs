@@ -74,24 +74,6 @@ pub(super) fn is_simple(code: u8) -> bool {
 
 /// The row of a code that is not simple, where the faces in `joined` join their inside.
 pub(super) fn resolved(code: u8, joined: u8) -> &'static Resolved {
-    &RESOLVED[number(code, joined)]
-}
-
-/// Whether it has more than one loop: what is asked of each open cell, without a look at its row.
-pub(super) fn has_several_loops(code: u8, joined: u8) -> bool {
-    static SEVERAL: [bool; RESOLVED.len()] = {
-        let mut several = [false; RESOLVED.len()];
-        let mut n = 0;
-        while n < several.len() {
-            several[n] = RESOLVED[n].discs.len() > 1;
-            n += 1;
-        }
-        several
-    };
-    SEVERAL[number(code, joined)]
-}
-
-fn number(code: u8, joined: u8) -> usize {
     let (mut rest, mut choice, mut weight) = (AMBIGUOUS[usize::from(code)], 0, 1);
     while rest != 0 {
         if joined >> rest.trailing_zeros() & 1 == 1 {
@@ -100,5 +82,5 @@ fn number(code: u8, joined: u8) -> usize {
         weight *= 2;
         rest &= rest - 1;
     }
-    usize::from(FIRST[usize::from(code)]) + choice
+    &RESOLVED[usize::from(FIRST[usize::from(code)]) + choice]
 }

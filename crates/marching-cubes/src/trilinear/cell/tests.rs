@@ -19,7 +19,7 @@ impl Chance {
 
 fn cell(values: [f64; 8]) -> Cell {
     let code = (0..8).fold(0, |code, k| code | u8::from(values[k] >= 0.0) << k);
-    Cell { code, known: u8::MAX, values, short: None }
+    Cell { code, known: u8::MAX, values, unit: Unit::UNKNOWN }
 }
 
 /// Small integers, larger odd ones, or f32 with any exponents.
@@ -124,7 +124,7 @@ fn the_three_axes_agree() {
         }
         let verdicts = [0, 1, 2].map(|axis| cell.verdict_along(axis));
         if cell.values.iter().all(|value| value.fract() == 0.0) {
-            let whole = Cell { short: Unit::ONE.short(cell.values), ..cell };
+            let whole = Cell { unit: Unit::ONE, ..cell };
             assert_eq!([0, 1, 2].map(|axis| whole.verdict_along(axis)), verdicts, "{cell:?}");
         }
         let row = cell.resolved(verdicts[0].joined);
@@ -164,7 +164,7 @@ fn a_look_inside_adds_nothing_where_two_corners_of_a_face_are_alone() {
         assert_eq!(verdict.tunnel, None, "{cell:?}");
         for axis in 0..3 {
             let mut looked = verdict;
-            cell.look_inside(axis, cell.resolved(verdict.joined), &mut looked);
+            cell.look_inside(axis, cell.resolved(verdict.joined), None, &mut looked);
             assert_eq!(looked, verdict, "{cell:?}, axis {axis}");
         }
         apart += usize::from(cell.resolved(verdict.joined).discs.len() > 1);

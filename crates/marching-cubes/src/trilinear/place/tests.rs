@@ -1,7 +1,7 @@
 //! Interior vertices keep what they promise, and lie on the surface where that leaves them free to.
 
 use super::{CLEARANCE, Interpolant, apart, centre, waist};
-use crate::trilinear::cell::Cell;
+use crate::trilinear::{cell::Cell, number::Unit};
 
 struct Chance(u64);
 
@@ -15,7 +15,7 @@ impl Chance {
 
 fn cell(values: [f64; 8]) -> Cell {
     let code = (0..8).fold(0, |code, k| code | u8::from(values[k] >= 0.0) << k);
-    Cell { code, known: u8::MAX, values, short: None }
+    Cell { code, known: u8::MAX, values, unit: Unit::UNKNOWN }
 }
 
 /// Cells with a tunnel, wide or narrow, in the middle or near a face.
