@@ -267,6 +267,9 @@ pub trait Exact: Copy + Default + Into<f64> {
     /// Sixteen times the same number.
     fn splat<W: Wide>(wide: W, number: f32) -> Self::Of<W>;
 
+    /// The first where chosen, else the second.
+    fn select<W: Wide>(wide: W, mask: W::Mask, a: Self::Of<W>, b: Self::Of<W>) -> Self::Of<W>;
+
     /// `a − b`, rounded to f32.
     fn difference<W: Wide>(wide: W, a: Self::Of<W>, b: Self::Of<W>) -> W::F32;
 }
@@ -297,6 +300,11 @@ impl Exact for f32 {
     #[inline(always)]
     fn splat<W: Wide>(wide: W, number: f32) -> W::F32 {
         wide.f32(number)
+    }
+
+    #[inline(always)]
+    fn select<W: Wide>(wide: W, mask: W::Mask, a: W::F32, b: W::F32) -> W::F32 {
+        wide.select_f32(mask, a, b)
     }
 
     #[inline(always)]
@@ -331,6 +339,11 @@ impl Exact for f64 {
     #[inline(always)]
     fn splat<W: Wide>(wide: W, number: f32) -> W::F64 {
         wide.f64(number.into())
+    }
+
+    #[inline(always)]
+    fn select<W: Wide>(wide: W, mask: W::Mask, a: W::F64, b: W::F64) -> W::F64 {
+        wide.select_f64(mask, a, b)
     }
 
     #[inline(always)]

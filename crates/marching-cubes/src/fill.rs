@@ -333,10 +333,9 @@ impl<T: Sample> Fill<'_, T> {
     fn triangles(&self, z: usize, words: &[Word], out: &mut [[u32; 3]]) -> usize {
         let mut left = words;
         let first = |y: usize| {
-            // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time:
-            // all others were looked at before.
+            // Meanwhile the farthest neighbours of edges to the next slice come from memory, a row at a time.
             let row = left.iter().take_while(|word| word.row <= y).count();
-            self.placer.expect([0, 0, z + 2].map(|n| self.sample(n)), &left[..row]);
+            self.placer.expect([0, 0, z].map(|n| self.sample(n)), &left[..row]);
             left = &left[row..];
             self.first_vertices(y, z)
         };

@@ -131,13 +131,23 @@ impl<'a, T: Sample> Placer<'a, T> {
         Some((position, self.along[axis][usize::from(is_lower)]))
     }
 
-    /// Says that samples around edges of `words`, where bit 0 of word 0 of row 0 is sample `first`, will
-    /// soon be asked for.
+    /// Says that vertices on the edges of `words`, where bit 0 of word 0 of row 0 is sample `first`, will soon be
+    /// placed. Asked for are samples of the farthest slice that they look at: nearer ones were looked at before.
     #[inline(always)]
-    pub(crate) fn expect(&self, first: [u32; 3], words: &[Word]) {
+    pub(crate) fn expect(&self, [x, y, z]: [u32; 3], words: &[Word]) {
         if let Some(samples) = &self.samples {
             let cut = |word: &Word| word.owned().into_iter().fold(0, |all, cuts| all | cuts);
-            samples.prefetch(first, words, cut);
+            samples.prefetch([x, y, z.wrapping_add(self.slices_ahead())], words, cut);
+        }
+    }
+
+    /// How many slices beyond the lower ends of edges the farthest sample is that their vertices may look at.
+    #[inline(always)]
+    fn slices_ahead(&self) -> u32 {
+        let pairs = self.placement.pairs() as u32;
+        match self.gradient {
+            Gradient::Central => pairs.max(2),
+            Gradient::Matching => pairs + 1,
         }
     }
 

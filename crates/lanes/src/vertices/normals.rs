@@ -1,16 +1,17 @@
 //! Normals on curves, 16 edges at a time: from central differences, or from those of the curve's order.
 //!
-//! Central ones are made as on straight lines (`vertices.rs`). Of the others `vertex/curved.rs` of `marching-cubes`
-//! has the definition, for one edge, with the same operations in the same order, so that the bits are the same. Each
-//! part of the gradient is a sum of differences over two steps, four and so on, at the samples around the edge on its
-//! line: for the part along the edge between samples that they share, for those across between samples beside it.
-//! Differences are made in the type that holds samples exactly, and are f64 from there on.
+//! Central ones are made as on straight lines (`vertices.rs`), of differences that came with the samples on the lines. Of
+//! the others `vertex/curved.rs` of `marching-cubes` has the definition, for one edge, with the same operations in the
+//! same order, so that the bits are the same. Each part of the gradient is a sum of differences over two steps, four and
+//! so on, at the samples around the edge on its line: for the part along the edge between samples that they share, for
+//! those across between samples beside it. Differences are made in the type that holds samples exactly, and are f64 from
+//! there on.
 //!
 //! They take their time: the rows `modes` of `scripts/bench` say how much on scans.
 
 use super::{
     AHEAD, Kernel,
-    curves::{Gradient, Line, Stencil},
+    curves::{Differences, Line, Stencil},
 };
 use crate::{
     Lane,
@@ -37,27 +38,29 @@ const SLOPES: [[[f64; MOST]; MOST]; 2] = [
 pub struct Normals<'l, 'b, 'a, T> {
     pub(super) kernel: &'l Kernel<'b, 'a, T>,
     pub(super) first: usize,
-    pub(super) gradient: Gradient,
+    /// The differences that central gradients are made from; `None` for matching ones.
+    pub(super) around: Option<&'l [Differences]>,
     /// The samples to either side of one that a matching slope is made from, 2 or 3: as many pairs around an edge too.
     pub(super) pairs: usize,
     pub(super) lines: &'l [Line],
-    pub(super) normals: &'l mut [[f32; 3]],
-    /// The bits of those that are left, by batches.
-    pub(super) left: &'l mut [u16],
+    /// Where normals go, and the bits of those that are left, by batches.
+    pub(super) to: (&'l mut [[f32; 3]], &'l mut [u16]),
 }
 
 impl<T: Lane> Task for Normals<'_, '_, '_, T> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let Self { kernel, first, gradient, pairs, lines, normals, left } = self;
+        let Self { kernel, first, around, pairs, lines, to: (normals, left) } = self;
         let mut directions = [[0.0; 3]; BATCH];
         for (number, normals) in normals.chunks_mut(BATCH).enumerate() {
-            let first = first + number * BATCH;
             prefetch_beyond::<AHEAD, _>(normals);
             let delta = wide.load_f64(&lines[number].delta);
-            left[number] = match gradient {
-                Gradient::Central => kernel.mix(wide, first, delta, &mut directions),
-                Gradient::Matching => kernel.turn(wide, first, pairs, delta, &mut directions),
+            left[number] = match around {
+                Some(around) => kernel.mix(wide, &around[number], delta, &mut directions),
+                None => {
+                    let first = first + number * BATCH;
+                    kernel.turn(wide, first, pairs, delta, &mut directions)
+                }
             };
             // The last batch may have less room than it has numbers.
             normals.copy_from_slice(&directions[..normals.len()]);
@@ -66,19 +69,17 @@ impl<T: Lane> Task for Normals<'_, '_, '_, T> {
 }
 
 impl<T: Lane> Kernel<'_, '_, T> {
-    /// The normals of the batch that begins with edge `first`, from differences over two steps at both ends of each
-    /// edge; the bits of those that are left.
+    /// Normals from differences over two steps at both ends of each edge; the bits of those that are left.
     #[inline(always)]
     fn mix<W: Wide>(
         &self,
         wide: W,
-        first: usize,
+        around: &Differences,
         delta: W::F64,
         normals: &mut [[f32; 3]; BATCH],
     ) -> u16 {
-        let around = self.around(wide, &self.ends(wide, first), true);
         let share = wide.f64_to_f32(wide.f64(0.5) + delta);
-        self.write_normals(wide, around.differences, share, normals)
+        self.write_normals(wide, around.load(wide), share, normals)
     }
 
     /// The normals of the batch that begins with edge `first`, of the curve's order; the bits of those that are left.

@@ -5,8 +5,11 @@ use isokit_geom::{Affine, Frame};
 use isokit_lanes::{Edges, Word};
 use isokit_volume::{Grid, Sample, Scaling, Volume};
 
-/// Samples along each axis: enough that a row of edges has two batches without a border.
+/// Samples along each axis: enough that a row of edges has a batch far from the border, and another one.
 const N: usize = 28;
+
+/// Edges of a row that begin here are far from the lower border of the lattice.
+const FAR: usize = 3;
 
 struct Chance(u64);
 
@@ -64,12 +67,16 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen 
     for (margin, gradient) in ways {
         let options = ExtractOptions::DEFAULT.with_placement(placement).with_gradient(gradient);
         let placer = Placer::new(volume.view(), iso, margin, 2.0).with_options(&options);
-        for (axis, [y, z]) in (0..3).flat_map(|axis| rows.iter().map(move |row| (axis, *row))) {
+        let begins = [0, FAR].into_iter().flat_map(|first| (0..3).map(move |axis| (first, axis)));
+        for ((first, axis), [y, z]) in
+            begins.flat_map(|way| rows.iter().map(move |row| (way, *row)))
+        {
             let mut edges = Edges::default();
             edges.begin(z as u32);
             let last = nx - usize::from(axis == 0);
-            let cuts = [(1 << last) - 1; 8];
+            let cuts = [((1 << last) - 1) & (u64::MAX << first); 8];
             edges.push(&[axis], [0, y as u32], &[Word { cuts, ..Word::default() }]);
+            let last = edges.len();
             let (mut alone, mut places) = ([[0.0_f64; 3]; N], [[0.0_f64; 3]; N]);
             let mut normals = [[0.0; 3]; N];
             let (places, alone) = (&mut places[..last], &mut alone[..last]);
