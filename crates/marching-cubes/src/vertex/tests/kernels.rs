@@ -76,13 +76,13 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen 
             let last = nx - usize::from(axis == 0);
             let cuts = [((1 << last) - 1) & (u64::MAX << first); 8];
             edges.push(&[axis], [0, y as u32], &[Word { cuts, ..Word::default() }]);
-            let last = edges.len();
+            let count = edges.len();
             let (mut alone, mut places) = ([[0.0_f64; 3]; N], [[0.0_f64; 3]; N]);
             let mut normals = [[0.0; 3]; N];
-            let (places, alone) = (&mut places[..last], &mut alone[..last]);
+            let (places, alone) = (&mut places[..count], &mut alone[..count]);
             placer.place(&edges, alone, None, &mut vec![]);
-            placer.place(&edges, places, Some(&mut normals[..last]), &mut vec![]);
-            for n in 0..last {
+            placer.place(&edges, places, Some(&mut normals[..count]), &mut vec![]);
+            for n in 0..count {
                 let (axis, low) = edges.get(n);
                 let straight = placer.cut(axis, low);
                 let [Some(a), Some(b)] = straight.values else { continue };
