@@ -17,7 +17,7 @@ pub(super) struct Batch<W: Wide> {
     /// Both ends have both neighbours along every axis.
     pub(super) is_inner: u16,
     /// There is an edge: the last batch may have fewer than it has numbers.
-    is_own: u16,
+    pub(super) is_own: u16,
 }
 
 impl<W: Wide> Batch<W> {

@@ -11,7 +11,7 @@
 
 use super::{
     Field, Kernel, Places, Vertices,
-    normals::Normals,
+    normals::{Normals, Source},
     roots::{Roots, Search, find_roots},
 };
 use crate::{
@@ -29,7 +29,7 @@ pub(super) use load::Differences;
 pub use load::Loading;
 
 /// Batches that are worked at in turn: what is known of them stays in the first cache.
-const TURN: usize = 8;
+pub(super) const TURN: usize = 8;
 
 /// The polynomial through the samples nearest on the line of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,14 +104,14 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
     let pairs = curve.pairs();
     let mut lines = [const { Line::DEFAULT }; TURN];
     let mut searches = [const { Search::DEFAULT }; TURN];
-    let with_differences = normals.is_some() && gradient == Gradient::Central;
-    let mut differences = with_differences.then_some([const { Differences::DEFAULT }; TURN]);
+    let mut source = normals.as_ref().map(|_| Source::new(gradient, samples.strides(), pairs));
     for (turn, positions) in positions.chunks_mut(TURN * BATCH).enumerate() {
         let (first, count) = (turn * TURN * BATCH, positions.len());
         let batches = count.div_ceil(BATCH);
-        let (held, around) = (&mut lines[..batches], differences.as_mut().map(|all| &mut all[..]));
+        let (held, differences) =
+            (&mut lines[..batches], source.as_mut().and_then(Source::differences));
         let kernel = &kernel;
-        T::load(level, Loading { kernel, first, pairs, lines: held, differences: around });
+        T::load(level, Loading { kernel, first, pairs, lines: held, differences });
         let with_odd = |(_, line): &(usize, &mut Line)| line.is_odd != 0;
         for (number, line) in lines[..batches].iter_mut().enumerate().filter(with_odd) {
             let at = number * BATCH;
@@ -133,12 +133,11 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
             let at = first + number * BATCH;
             odd.extend(set_bits(line.is_odd, edges.len() - at).map(|n| (at + n) as u32));
         }
-        let Some(normals) = &mut normals else { continue };
+        let (Some(normals), Some(source)) = (&mut normals, &mut source) else { continue };
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
-        let around = differences.as_ref().map(|all| &all[..]);
         let to = (&mut *normals, &mut left[..]);
-        T::turn(level, Normals { kernel, first, around, pairs, lines, to });
+        T::turn(level, Normals { kernel, first, pairs, source, lines, to });
         for (number, line) in lines.iter().enumerate() {
             let at = number * BATCH;
             for n in set_bits(left[number] & !line.is_odd, count - at) {
@@ -149,7 +148,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
 }
 
 /// The places of those of the first `count` bits that are set.
-fn set_bits(mut bits: u16, count: usize) -> impl Iterator<Item = usize> {
+pub(super) fn set_bits(mut bits: u16, count: usize) -> impl Iterator<Item = usize> {
     // The last batch may have fewer edges than it has numbers.
     bits &= u16::MAX >> (BATCH - BATCH.min(count));
     std::iter::from_fn(move || {

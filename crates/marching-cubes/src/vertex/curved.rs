@@ -50,11 +50,17 @@ impl<T: Sample> Placer<'_, T> {
     pub(super) fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let (size, weights) = (self.view.dims()[axis], line::slope_weights::<PAIRS>(cut.delta));
-        let after = ijk[axis] + 1;
+        // The samples whose differences are looked at: those around the edge, or as many as near as there are.
+        let (after, held) = (ijk[axis] + 1, size.min(2 * PAIRS));
+        let first = after.saturating_sub(PAIRS).min(size - held);
         let mut gradient = [0.0; 3];
         for (part, gradient) in gradient.iter_mut().enumerate() {
+            let mut differences = [[0.0; PAIRS]; MOST];
+            for (i, differences) in (first..).zip(&mut differences[..held]) {
+                *differences = self.differences(with(ijk, axis, i), part);
+            }
             for (n, weights) in weights.iter().enumerate() {
-                let (apart, pairs) = (n + 1, PAIRS - n);
+                let pairs = PAIRS - n;
                 // Where a stencil leaves the lattice all differences are continued from as many samples as
                 // those over two steps: what that gets wrong then cancels in a correction.
                 let is_within = after >= pairs && after + pairs <= size;
@@ -62,7 +68,7 @@ impl<T: Sample> Placer<'_, T> {
                 let mut around = [0.0; MOST];
                 let around = &mut around[..2 * reach];
                 line::values(around, after as isize - reach as isize, size, |i| {
-                    self.difference::<PAIRS>(with(ijk, axis, i), part, apart)
+                    differences[i - first][n]
                 });
                 let mean = line::mean(&around[reach - pairs..reach + pairs], &weights[..pairs]);
                 *gradient = if n == 0 { mean } else { *gradient + mean };
@@ -73,26 +79,23 @@ impl<T: Sample> Placer<'_, T> {
         is_finite.then(|| self.outward(gradient)).flatten()
     }
 
-    /// By how much the stored sample so many steps above one exceeds the one as many below. In f32 for those that
+    /// By how much the stored samples one step above one and more exceed those as many below. In f32 for those that
     /// are f32, unless it overflows there: neighbours are subtracted without a loss where neither is twice the
     /// other (Sterbenz); elsewhere what is lost is no more than the samples lost when they were rounded.
-    fn difference<const PAIRS: usize>(&self, here: [usize; 3], part: usize, apart: usize) -> f64 {
+    fn differences<const PAIRS: usize>(&self, here: [usize; 3], part: usize) -> [f64; PAIRS] {
         let (at, size) = (here[part], self.view.dims()[part]);
-        let stored = |i: usize| self.view.stored(with(here, part, i)).to_f64();
-        let [below, above] = match at >= apart && at + apart < size {
-            true => [stored(at - apart), stored(at + apart)],
-            false => {
-                let mut across = [0.0; MOST + 1];
-                let across = &mut across[..=2 * PAIRS];
-                line::values(across, at as isize - PAIRS as isize, size, stored);
-                [across[PAIRS - apart], across[PAIRS + apart]]
+        let mut across = [0.0; MOST + 1];
+        line::values(&mut across[..=2 * PAIRS], at as isize - PAIRS as isize, size, |i| {
+            self.view.stored(with(here, part, i)).to_f64()
+        });
+        std::array::from_fn(|n| {
+            let (below, above) = (across[PAIRS - n - 1], across[PAIRS + n + 1]);
+            let narrow = above as f32 - below as f32;
+            match T::DTYPE == Dtype::F32 && narrow.is_finite() {
+                true => narrow.into(),
+                false => above - below,
             }
-        };
-        let narrow = above as f32 - below as f32;
-        match T::DTYPE == Dtype::F32 && narrow.is_finite() {
-            true => narrow.into(),
-            false => above - below,
-        }
+        })
     }
 }
 

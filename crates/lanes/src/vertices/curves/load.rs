@@ -17,7 +17,7 @@ use crate::{
 pub(crate) struct Differences([[[f32; BATCH]; 3]; 2]);
 
 impl Differences {
-    pub(super) const DEFAULT: Self = Self([[[0.0; BATCH]; 3]; 2]);
+    pub(in crate::vertices) const DEFAULT: Self = Self([[[0.0; BATCH]; 3]; 2]);
 
     #[inline(always)]
     fn store<W: Wide>(&mut self, wide: W, differences: [[W::F32; 3]; 2]) {
