@@ -13,7 +13,7 @@ use isokit_lanes::ONE_BEFORE;
 const MOST: usize = 7;
 
 /// The values on a line from index `first` on, as many as there is room for, seven at most. `value` tells
-/// them from 0 to `size`; beyond, the line is continued.
+/// them from 0 to `size`; beyond, the line is continued from as many of the nearest, or from all if it has fewer.
 #[inline(always)]
 pub fn values(out: &mut [f64], first: isize, size: usize, value: impl Fn(usize) -> f64) {
     if first >= 0 && first as usize + out.len() <= size {

@@ -24,7 +24,7 @@ impl<W: Wide> Batch<W> {
     /// The same, but each edge whose bit is not set has axis and lower end of one whose bit is, if there is
     /// any. The upper ends stay as they were.
     #[inline(always)]
-    pub(super) fn keeping(&self, wide: W, bits: u16) -> Self {
+    fn keeping(&self, wide: W, bits: u16) -> Self {
         let mut batch = *self;
         if bits != 0 && bits != u16::MAX {
             let kept = bits.trailing_zeros() as usize;
@@ -76,7 +76,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
     ) -> W::Mask {
         let (mut are_within, less) = (wide.mask(u16::MAX), wide.u32(margin.wrapping_neg()));
         for along in 0..3 {
-            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and −3 too.
+            // No size exceeds 2³¹ − 1, so a wrapped −1 is beyond all of them, and −4 too.
             let within = wide.u32(self.samples.dims()[along].saturating_sub(2 * margin));
             for end in ends {
                 are_within = are_within & wide.less(end[along] + less, within);

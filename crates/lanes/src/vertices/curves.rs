@@ -137,7 +137,7 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
         let to = (&mut *normals, &mut left[..]);
-        T::turn(level, Normals { kernel, first, pairs, source, lines, to });
+        T::turn(level, Normals { kernel, first, source, lines, to });
         for (number, line) in lines.iter().enumerate() {
             let at = number * BATCH;
             for n in set_bits(left[number] & !line.is_odd, count - at) {
@@ -172,17 +172,6 @@ pub(super) struct Line {
 
 impl Line {
     const DEFAULT: Self = Self { values: [[0.0; BATCH]; MOST], delta: [0.0; BATCH], is_odd: 0 };
-}
-
-/// Where the samples around the edges of a batch are.
-#[derive(Clone, Copy)]
-pub(super) struct Stencil<W: Wide> {
-    /// The number of the first sample of the slice of all lower ends.
-    pub(super) slice: i64,
-    /// The numbers of the lower ends from there.
-    pub(super) low: W::U32,
-    /// How far apart samples are along the edge, and along the axes that follow it.
-    pub(super) steps: [W::U32; 3],
 }
 
 /// Makes the places of the batches from edge `first` on.

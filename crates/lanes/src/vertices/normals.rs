@@ -23,8 +23,6 @@ use copies::Copies;
 pub struct Normals<'l, 'b, 'a, T> {
     pub(super) kernel: &'l Kernel<'b, 'a, T>,
     pub(super) first: usize,
-    /// Samples to either side of one that a matching slope is made from, 2 or 3; and as many pairs around an edge.
-    pub(super) pairs: usize,
     pub(super) source: &'l mut Source<T>,
     pub(super) lines: &'l [Line],
     /// Where normals go, and the bits of those that are left, by batches.
@@ -32,11 +30,15 @@ pub struct Normals<'l, 'b, 'a, T> {
 }
 
 /// What gradients are made from.
-#[expect(clippy::large_enum_variant, reason = "the other has dozens of samples around each edge")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "samples of any type are not counted: the other is larger"
+)]
 pub(super) enum Source<T> {
     /// Differences over two steps, by batches.
     Central([Differences; TURN]),
-    /// Samples around the edges, for which there is room here.
+    /// Samples around the edges, for which there is room here: as many to either side of one as a slope is made from, and
+    /// as many pairs around an edge.
     Matching(Copies<T>),
 }
 
@@ -60,24 +62,25 @@ impl<T: Lane> Source<T> {
 impl<T: Lane> Task for Normals<'_, '_, '_, T> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let Self { kernel, first, pairs, source, lines, to: (normals, left) } = self;
+        let Self { kernel, first, source, lines, to: (normals, left) } = self;
         let (whole, rest) = normals.as_chunks_mut();
         // The last batch may have less room than it has numbers.
         let mut last = [[0.0; 3]; BATCH];
         let mut room = Room { whole, last: &mut last };
-        match (source, pairs) {
-            (Source::Central(differences), _) => {
+        match source {
+            Source::Central(differences) => {
                 for (number, (line, left)) in lines.iter().zip(left).enumerate() {
                     let (around, normals) = (differences[number].load(wide), room.of(number));
                     let share = wide.f64_to_f32(wide.f64(0.5) + wide.load_f64(&line.delta));
                     *left = kernel.write_normals(wide, around, share, normals);
                 }
             }
-            (Source::Matching(copies), 2) => {
-                kernel.turn::<W, 2, 6, 30>(wide, (first, lines, left), copies, room);
-            }
-            (Source::Matching(copies), _) => {
-                kernel.turn::<W, 3, 8, 56>(wide, (first, lines, left), copies, room);
+            Source::Matching(copies) => {
+                let batches = (first, lines, left);
+                match copies.pairs() {
+                    2 => kernel.turn::<W, 2, 6, 30>(wide, batches, copies, room),
+                    _ => kernel.turn::<W, 3, 8, 56>(wide, batches, copies, room),
+                }
             }
         }
         rest.copy_from_slice(&last[..rest.len()]);

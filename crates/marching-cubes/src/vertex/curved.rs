@@ -50,7 +50,7 @@ impl<T: Sample> Placer<'_, T> {
     pub(super) fn curved_normal<const PAIRS: usize>(&self, cut: &Cut) -> Option<[f32; 3]> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let (size, weights) = (self.view.dims()[axis], line::slope_weights::<PAIRS>(cut.delta));
-        // The samples whose differences are looked at: those around the edge, or as many as near as there are.
+        // What `line::values` may ask for: those around the edge; near a border as many of the nearest; on a short line all.
         let (after, held) = (ijk[axis] + 1, size.min(2 * PAIRS));
         let first = after.saturating_sub(PAIRS).min(size - held);
         let mut gradient = [0.0; 3];
@@ -79,9 +79,10 @@ impl<T: Sample> Placer<'_, T> {
         is_finite.then(|| self.outward(gradient)).flatten()
     }
 
-    /// By how much the stored samples one step above one and more exceed those as many below. In f32 for those that
-    /// are f32, unless it overflows there: neighbours are subtracted without a loss where neither is twice the
-    /// other (Sterbenz); elsewhere what is lost is no more than the samples lost when they were rounded.
+    /// By how much the stored sample one step above exceeds the one as far below, then two steps, up to as many as there
+    /// are pairs. Beyond the border the line is continued. In f32 for those that are f32, unless it overflows there:
+    /// neighbours are subtracted without a loss where neither is twice the other (Sterbenz); elsewhere what is lost
+    /// is no more than the samples lost when they were rounded.
     fn differences<const PAIRS: usize>(&self, here: [usize; 3], part: usize) -> [f64; PAIRS] {
         let (at, size) = (here[part], self.view.dims()[part]);
         let mut across = [0.0; MOST + 1];

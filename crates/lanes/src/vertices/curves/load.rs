@@ -3,7 +3,7 @@
 //! Where all edges of a batch are far enough from the border, what is loaded for differences over two steps is used
 //! for lines too: the neighbours of an edge's ends on its line are among those of its ends.
 
-use super::{Line, MOST, Stencil, beyond::Lacking};
+use super::{Line, MOST, beyond::Lacking};
 use crate::{
     Lane,
     vertices::{Kernel, around::Batch},
@@ -79,6 +79,16 @@ impl<T: Lane> Loading<'_, '_, '_, T> {
     }
 }
 
+/// Where the samples on the lines of a batch are.
+struct Stencil<W: Wide> {
+    /// The number of the first sample of the slice of all lower ends.
+    slice: i64,
+    /// The numbers of the lower ends from there.
+    low: W::U32,
+    /// How far apart samples are along the edge.
+    step: W::U32,
+}
+
 impl<T: Lane> Kernel<'_, '_, T> {
     /// Whether all edges have so many samples to either side of their middle, as many beyond both ends along all axes,
     /// less one, and near enough.
@@ -104,7 +114,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         values: &mut [[f64; BATCH]; MOST],
         differences: &mut Differences,
     ) {
-        let Stencil { slice, low, steps: [step, ..] } = self.stencil(wide, batch);
+        let Stencil { slice, low, step } = self.stencil(wide, batch);
         let (pairs, back) = (HELD / 2, step * wide.u32(u32::MAX));
         let [_, y, z] = self.samples.strides();
         for (end, at) in [low, low + step].into_iter().enumerate() {
@@ -151,7 +161,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
         if !self.samples.is_near(pairs as i64) {
             return u16::MAX;
         }
-        let Stencil { slice, low, steps: [step, ..] } = self.stencil(wide, batch);
+        let Stencil { slice, low, step } = self.stencil(wide, batch);
         // From so many steps before the lower end.
         let mut begin = low + step * wide.u32((pairs - 1).wrapping_neg() as u32);
         // Inner edges have one neighbour on either side.
@@ -200,25 +210,23 @@ impl<T: Lane> Kernel<'_, '_, T> {
         is_odd
     }
 
-    /// Where the samples around edges are. The lower ends are in the lattice, or any number will do.
+    /// Where the samples on the lines of edges are. The lower ends are in the lattice, or any number will do.
     #[inline(always)]
-    pub(in crate::vertices) fn stencil<W: Wide>(&self, wide: W, batch: &Batch<W>) -> Stencil<W> {
+    fn stencil<W: Wide>(&self, wide: W, batch: &Batch<W>) -> Stencil<W> {
         // Numbers fit, as `is_near` says, and wrap to what they are.
         let strides = self.samples.strides();
         let mut all = [wide.u32(0); 3];
         for (step, stride) in all.iter_mut().zip(strides) {
             *step = wide.u32(stride as u32);
         }
-        let mut steps = [all[2], all[0], all[1]];
+        let mut step = all[2];
         for axis in [1, 0] {
             let is_along = wide.equal(batch.axis, wide.u32(axis as u32));
-            for (n, step) in steps.iter_mut().enumerate() {
-                *step = wide.select(is_along, all[(axis + n) % 3], *step);
-            }
+            step = wide.select(is_along, all[axis], step);
         }
         let low = batch.low[0] * all[0] + batch.low[1] * all[1];
         let slice = self.samples.first() + i64::from(self.edges.z()) * strides[2];
-        Stencil { slice, low, steps }
+        Stencil { slice, low, step }
     }
 
     /// The places of lower ends along their edges, and how many samples the lattice has there.

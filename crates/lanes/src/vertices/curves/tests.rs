@@ -251,6 +251,24 @@ fn leave_the_lattice(curve: Curve) {
 }
 
 #[test]
+fn edges_of_a_lattice_whose_slices_are_any_number_apart_are_left_to_the_caller() {
+    let all: Vec<i16> = (0..132).collect();
+    let list: Vec<_> = (0..132).map(|n| (n as usize % 3, [n % 12, n / 12])).collect();
+    let all_odd: Vec<u32> = (0..132).collect();
+    // A lattice of one slice; edges from the guard below it as well.
+    for (z, apart) in [(0, isize::MAX), (0, isize::MIN), (u32::MAX, isize::MAX)] {
+        let samples = Samples::new(&all, 0, [1, 12, apart], [12, 11, 1]).unwrap();
+        let edges = edges(Level::Portable, &list, z);
+        for gradient in [Gradient::Central, Gradient::Matching] {
+            for &level in Level::available() {
+                let (_, odd) = placed(level, &samples, (Curve::Quintic, gradient), &edges);
+                assert_eq!(odd, all_odd, "{level}, {gradient:?}, {z}, {apart}");
+            }
+        }
+    }
+}
+
+#[test]
 fn lines_are_continued_only_where_no_sample_is_so_far_away_that_its_number_wraps() {
     // Slices so far apart that numbers of samples fit for two, not for three; what is between is never written.
     let (dims, apart) = ([4_usize; 3], 800_000_000_usize);
@@ -271,6 +289,52 @@ fn lines_are_continued_only_where_no_sample_is_so_far_away_that_its_number_wraps
             curved_vertices_at(level, (&samples, &FIELD), made, &edges, &told, out);
             assert!(if z == 1 { odd.len() < 4 } else { odd.len() == 16 }, "{level}: {odd:?}");
         }
+    }
+}
+
+#[test]
+fn matching_normals_are_made_from_samples_whose_numbers_take_more_than_31_bits_too() {
+    // Rows so far apart; what is between is never written.
+    let (dims, apart) = ([8_usize; 3], 450_000_000_usize);
+    let (mut near, mut far) = (vec![0_u8; 512], vec![0_u8; 7 * apart + 64]);
+    let mut chance = Chance(12);
+    for n in 0..512 {
+        near[n] = chance.next() as u8;
+        far[n % 8 + n / 64 * 8 + n / 8 % 8 * apart] = near[n];
+    }
+    let list: Vec<_> = (0..147).map(|n| (n as usize % 3, [n / 3 % 7, n / 21])).collect();
+    let edges = edges(Level::Portable, &list, 3);
+    let told = Told(|n: usize, values: &mut [f64]| {
+        let (axis, low) = edges.get(n);
+        let step = [1, 8, 64][axis];
+        let first = low[0] as usize + low[1] as usize * 8 + low[2] as usize * 64;
+        let is_whole = low[axis] >= 2 && low[axis] < 5;
+        for (k, value) in values.iter_mut().enumerate().filter(|_| is_whole) {
+            let sample = near[first + k * step - 2 * step];
+            *value = f64::from(sample) * FIELD.slope + FIELD.intercept - FIELD.iso;
+        }
+        is_whole
+    });
+    for &level in Level::available() {
+        let [expected, found] = [
+            Samples::new(&near, 0, [1, 8, 64], dims).unwrap(),
+            Samples::new(&far, 0, [1, apart as isize, 8], dims).unwrap(),
+        ]
+        .map(|samples| {
+            let (mut positions, mut normals) = (vec![[0.0_f32; 3]; 147], vec![[0.0_f32; 3]; 147]);
+            let (mut odd, made) = (vec![], (Curve::Quintic, Gradient::Matching));
+            let out =
+                Vertices { positions: &mut positions, normals: Some(&mut normals), odd: &mut odd };
+            curved_vertices_at(level, (&samples, &FIELD), made, &edges, &told, out);
+            (positions, normals, odd)
+        });
+        let mut made = 0;
+        for n in (0..147).filter(|n| !found.2.contains(n)).map(|n| n as usize) {
+            assert_eq!(found.0[n], expected.0[n], "{level}: edge {n}");
+            assert_eq!(found.1[n], expected.1[n], "{level}: edge {n}");
+            made += usize::from(found.1[n][2] != 2.0);
+        }
+        assert!(made > 0, "{level}: all normals were told");
     }
 }
 

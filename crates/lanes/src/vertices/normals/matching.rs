@@ -10,7 +10,7 @@
 
 use super::{
     Room,
-    copies::{AT_ONCE, Copies},
+    copies::{AT_ONCE, Copies, count},
 };
 use crate::{
     Lane,
@@ -32,48 +32,6 @@ const SLOPES: [[[f64; MOST_PAIRS]; MOST_PAIRS]; 2] = [
     [[30.0, 0.0, 0.0], [10.0, -5.0, 0.0], [5.0, -4.0, 1.0]],
 ];
 
-/// The samples around an edge of so many pairs: on its line one more on either side, and at the pairs so many beside them
-/// along two axes.
-const fn count(pairs: usize) -> usize {
-    2 * (pairs + 1) + 4 * pairs * (pairs + 1)
-}
-
-pub(super) const MOST: usize = count(MOST_PAIRS);
-
-/// By pairs, less two: how many steps each of those samples is from the lower end along the edge, and along the two axes that
-/// follow it. First those on the line. Then by part of the gradient, by difference, that over two steps first, by pair, the
-/// nearest first, and by end: the one below and the one above.
-pub(super) const STEPS: [[[i8; 3]; MOST]; 2] = [steps(2), steps(3)];
-
-const fn steps(pairs: usize) -> [[i8; 3]; MOST] {
-    let mut steps = [[0; 3]; MOST];
-    let mut next = 0;
-    while next < 2 * (pairs + 1) {
-        steps[next][0] = next as i8 - pairs as i8;
-        next += 1;
-    }
-    let mut part = 1;
-    while part < 3 {
-        let mut apart = 1;
-        while apart <= pairs {
-            let mut pair = 0;
-            while pair <= pairs - apart {
-                let mut n = 0;
-                while n < 4 {
-                    steps[next][0] = [-(pair as i8), pair as i8 + 1][n / 2];
-                    steps[next][part] = [-(apart as i8), apart as i8][n % 2];
-                    (next, n) = (next + 1, n + 1);
-                }
-                pair += 1;
-            }
-            apart += 1;
-        }
-        part += 1;
-    }
-    assert!(next == count(pairs), "all of them");
-    steps
-}
-
 impl<T: Lane> Kernel<'_, '_, T> {
     /// The normals of batches from edge `first` on, and the bits of those that are left.
     #[inline(always)]
@@ -85,23 +43,24 @@ impl<T: Lane> Kernel<'_, '_, T> {
         mut room: Room<'_>,
     ) {
         const { assert!(LINE == 2 * (PAIRS + 1) && COUNT == count(PAIRS), "as many as steps") };
-        let together = lines.chunks(AT_ONCE).zip(left.chunks_mut(AT_ONCE));
-        for (turn, (lines, left)) in together.enumerate() {
-            let number = turn * AT_ONCE;
+        assert!(copies.are_for(self.samples.strides(), PAIRS), "room for other samples");
+        let groups = lines.chunks(AT_ONCE).zip(left.chunks_mut(AT_ONCE));
+        for (group, (lines, left)) in groups.enumerate() {
+            let before = group * AT_ONCE;
             for (n, left) in left[..lines.len()].iter_mut().enumerate() {
-                let first = first + (number + n) * BATCH;
+                let first = first + (before + n) * BATCH;
                 let batch = self.ends(wide, first);
                 let ends = [batch.low, batch.high];
                 let is_inner = self.are_within(wide, ends, PAIRS as u32).bits() & batch.is_own;
-                // SAFETY: beyond both ends of these there are as many samples to all sides as there are pairs.
+                // SAFETY: these edges are so far from the border, and the rest is asserted above.
                 unsafe { copies.take::<COUNT>(n, self, first, is_inner) };
                 *left = !is_inner;
             }
             for (n, (line, left)) in lines.iter().zip(left).enumerate() {
-                let [axis, ..] = self.edges.batch(first + (number + n) * BATCH);
+                let [axis, ..] = self.edges.batch(first + (before + n) * BATCH);
                 let delta = wide.load_f64(&line.delta);
                 let parts = Self::parts::<W, PAIRS, LINE>(wide, copies, n, delta);
-                let normals = room.of(number + n);
+                let normals = room.of(before + n);
                 *left |= self.write_curved_normals(wide, wide.load(axis), parts, normals);
             }
         }
