@@ -10,7 +10,7 @@
 
 use super::{
     Room,
-    copies::{AT_ONCE, Copies, count},
+    copies::{Copies, count},
 };
 use crate::{
     Lane,
@@ -44,25 +44,19 @@ impl<T: Lane> Kernel<'_, '_, T> {
     ) {
         const { assert!(LINE == 2 * (PAIRS + 1) && COUNT == count(PAIRS), "as many as steps") };
         assert!(copies.are_for(self.samples.strides(), PAIRS), "room for other samples");
-        let groups = lines.chunks(AT_ONCE).zip(left.chunks_mut(AT_ONCE));
-        for (group, (lines, left)) in groups.enumerate() {
-            let before = group * AT_ONCE;
-            for (n, left) in left[..lines.len()].iter_mut().enumerate() {
-                let first = first + (before + n) * BATCH;
-                let batch = self.ends(wide, first);
-                let ends = [batch.low, batch.high];
-                let is_inner = self.are_within(wide, ends, PAIRS as u32).bits() & batch.is_own;
-                // SAFETY: these edges are so far from the border, and the rest is asserted above.
-                unsafe { copies.take::<COUNT>(n, self, first, is_inner) };
-                *left = !is_inner;
+        for (number, (line, left)) in lines.iter().zip(left).enumerate() {
+            let first = first + number * BATCH;
+            let batch = self.ends(wide, first);
+            let ends = [batch.low, batch.high];
+            let is_inner = self.are_within(wide, ends, PAIRS as u32).bits() & batch.is_own;
+            *left = !is_inner;
+            if is_inner == 0 {
+                continue;
             }
-            for (n, (line, left)) in lines.iter().zip(left).enumerate() {
-                let [axis, ..] = self.edges.batch(first + (before + n) * BATCH);
-                let delta = wide.load_f64(&line.delta);
-                let parts = Self::parts::<W, PAIRS, LINE>(wide, copies, n, delta);
-                let normals = room.of(before + n);
-                *left |= self.write_curved_normals(wide, wide.load(axis), parts, normals);
-            }
+            // SAFETY: these edges are so far from the border, and the rest is asserted above.
+            unsafe { copies.take::<COUNT>(self, first, is_inner) };
+            let parts = Self::parts::<W, PAIRS, LINE>(wide, copies, wide.load_f64(&line.delta));
+            *left |= self.write_curved_normals(wide, batch.axis, parts, room.of(number));
         }
     }
 
@@ -72,12 +66,11 @@ impl<T: Lane> Kernel<'_, '_, T> {
     fn parts<W: Wide, const PAIRS: usize, const LINE: usize>(
         wide: W,
         copies: &Copies<T>,
-        batch: usize,
         delta: W::F64,
     ) -> [W::F64; 3] {
         let mut line = [T::Exact::splat(wide, 0.0); LINE];
         for (place, sample) in line.iter_mut().enumerate() {
-            *sample = copies.at(wide, batch, place);
+            *sample = copies.at(wide, place);
         }
         // Those beside the lines follow in this order.
         let mut next = LINE;
@@ -94,7 +87,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
                             0 => [line[middle - n - 1], line[middle + n + 1]],
                             _ => {
                                 next += 2;
-                                [copies.at(wide, batch, next - 2), copies.at(wide, batch, next - 1)]
+                                [copies.at(wide, next - 2), copies.at(wide, next - 1)]
                             }
                         };
                         let difference = T::Exact::to_f64(wide, above - below);
