@@ -1,10 +1,7 @@
 //! Samples around edges, copied so that those of a batch lie side by side.
 //!
 //! What depends on dozens of samples around each edge takes them edge by edge, all of one before those of the next: edges
-//! beside each other look at the same lines of memory, which are still in the first cache then. Beside loads of the same
-//! sample of sixteen edges at a time, scans with matching normals take 0.99 of the time so on cubics, 0.93 to 0.99 on
-//! quintics (EPYC of 2024, one thread, `--only modes` of `scripts/bench`, November 2026). To copy those of four or eight
-//! batches before the first is used gains nothing.
+//! beside each other look at the same lines of memory, which are still in the first cache then.
 
 use crate::{
     Lane,
