@@ -112,6 +112,42 @@ fn assert_same_of_integers(dims: [usize; 3], samples: &[i64], mesh: &TriMesh, bo
     assert_eq!(found.triangles, mesh.triangles, "{samples:?}");
 }
 
+/// Asserts that samples which are as far from another isovalue have the same triangles: as f64, as integers of 32 and of 16
+/// bits, scaled, and as bytes on both sides of a half. In how many of these ways there are such.
+#[track_caller]
+fn assert_same_at_isovalues(
+    dims: [usize; 3],
+    samples: &[i64],
+    mesh: &TriMesh,
+    boundary: Boundary,
+) -> usize {
+    let (options, mut count) = (trilinear(boundary), 0);
+    let mut check = |found: TriMesh, iso: f64| {
+        count += 1;
+        assert_eq!(found.triangles, mesh.triangles, "{samples:?}, {iso} higher");
+    };
+    let iso = [-0.75, 1000.25, -2_f64.powi(40)][samples.iter().sum::<i64>().rem_euclid(3) as usize];
+    let higher = volume(dims, samples.iter().map(|&sample| sample as f64 + iso));
+    check(surface(&higher, iso, &options), iso);
+    let higher = samples.iter().map(|sample| i32::try_from(sample + 1_500_000_000));
+    if let Ok(higher) = higher.collect::<Result<Vec<_>, _>>() {
+        check(surface(&volume(dims, higher), 1.5e9, &options), 1.5e9);
+    }
+    let higher = samples.iter().map(|sample| u16::try_from(sample + 30_000));
+    if let Ok(higher) = higher.collect::<Result<Vec<_>, _>>() {
+        let higher = volume(dims, higher);
+        check(surface(&higher, 30_000.0, &options), 30_000.0);
+        let (scaled, iso) = (higher.view().with_scaling(Scaling::new(0.25, 3.5).unwrap()), 7503.5);
+        check(extract(&scaled, iso, &options, &Job::default()).unwrap(), iso);
+    }
+    let halved = samples.iter().map(|sample| u8::try_from((sample + 201).div_euclid(2)));
+    let are_odd = samples.iter().all(|sample| sample % 2 != 0);
+    if let (true, Ok(halved)) = (are_odd, halved.collect::<Result<Vec<_>, _>>()) {
+        check(surface(&volume(dims, halved), 100.5, &options), 100.5);
+    }
+    count
+}
+
 #[track_caller]
 fn check_cell(corners: [i64; 8]) -> Class {
     let Some(certain) = certified::cell(corners) else { panic!("{corners:?} is undecided") };
@@ -123,6 +159,7 @@ fn check_cell(corners: [i64; 8]) -> Class {
     assert_eq!(patches(&mesh), expected, "{corners:?}");
     assert_sound(&mesh);
     assert_same_of_integers([2; 3], &corners, &mesh, Boundary::Open);
+    assert_same_at_isovalues([2; 3], &corners, &mesh, Boundary::Open);
     assert_closed(&surface(&made, 0.0, &trilinear(Boundary::Closed)));
     class
 }
@@ -210,6 +247,7 @@ fn check_volume(dims: [usize; 3], samples: &[i64], unit: f32) {
         assert_sound(&mesh);
         if unit == 1.0 {
             assert_same_of_integers(dims, samples, &mesh, boundary);
+            assert_same_at_isovalues(dims, samples, &mesh, boundary);
         }
         let mut eulers: Vec<i64> = pieces(&mesh).1.into_values().collect();
         eulers.sort_unstable();
@@ -258,7 +296,12 @@ fn volumes_of_small_numbers_with_ties_have_the_pieces_that_are_certified() {
 /// scikit-image 8109 and its like: a saddle on the isovalue, in a face or in the interior.
 #[test]
 fn ties_of_saddles_have_the_pieces_that_are_certified_and_are_counted() {
-    check_volume([2, 2, 3], &[13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1], 1.0);
+    let samples = [13, -1, -1, -7, -1, 1, 7, -7, 15, -9, -3, -1];
+    check_volume([2, 2, 3], &samples, 1.0);
+    let mesh =
+        surface(&volume([2, 2, 3], samples.map(|s| s as f32)), 0.0, &trilinear(Boundary::Open));
+    let ways = assert_same_at_isovalues([2, 2, 3], &samples, &mesh, Boundary::Open);
+    assert_eq!(ways, 5, "odd numbers that are small are met in every way");
     let face = [1, -1, -1, 1, -1, -1, -1, -1];
     let body = [3, -1, -1, -1, -1, -1, -1, 3];
     for (samples, singular) in [(face, 1), (body, 1), ([2, -1, -1, 1, -1, -1, -1, -1], 0)] {
