@@ -263,10 +263,10 @@ fn refined(
     surfaces: &mut [Surface],
     session: &Session<'_, '_>,
 ) -> Result<Vec<Refined>> {
+    let options = plan.refine.with_file_scale(plan.target.file_scale(scan.frame().unit));
     let refine = |surface: &mut Surface| {
         let iso = surface.iso.unwrap_or(f64::NAN);
-        let options = (&plan.refine, &plan.surface);
-        Ok(scan.refine(iso, &mut surface.mesh, options, &session.job)?)
+        Ok(scan.refine(iso, &mut surface.mesh, (&options, &plan.surface), &session.job)?)
     };
     surfaces.iter_mut().map(refine).collect()
 }

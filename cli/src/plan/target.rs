@@ -5,7 +5,10 @@ use crate::{
     fault::{CallerError, UsageError},
 };
 use anyhow::Result;
-use isokit::{geom::Unit, io::Format};
+use isokit::{
+    geom::Unit,
+    io::{Format, MeshContext},
+};
 use std::path::{Path, PathBuf};
 
 /// What a mesh file may be called.
@@ -82,6 +85,12 @@ impl MeshTarget {
         let target = Self { stream, format, gltf_unit: args.gltf_unit };
         target.check(surfaces)?;
         Ok(target)
+    }
+
+    /// What a mesh in some unit is multiplied by in the file, if by anything.
+    pub(crate) fn file_scale(&self, unit: Unit) -> Option<f64> {
+        let context = MeshContext { unit, gltf_unit: self.gltf_unit, ..MeshContext::default() };
+        context.file_scale(self.format)
     }
 
     fn check(&self, surfaces: usize) -> Result<(), UsageError> {

@@ -89,3 +89,58 @@ fn slices_of_a_volume_far_away_are_as_exact() {
     extract(&folder, "far.nrrd", "slabs.ply", "--max-memory 64MiB");
     assert!(vertices(&folder, "whole.ply") == vertices(&folder, "slabs.ply"));
 }
+
+/// Millimetres as far away as f32 goes: a step is a 64th of the distance of samples, and a step of a glTF's metres another.
+#[test]
+fn what_is_divided_and_balanced_falls_together_in_no_file() {
+    let folder = Folder::new();
+    let index_to_world = Affine::axis_aligned([1.0; 3], [255_500.0, -130_000.0, 200_000.0]);
+    let unit = Unit::Millimetre;
+    let frame = Frame { index_to_world: index_to_world.unwrap(), unit, space: Space::Ras };
+    let grid = Grid::new([9; 3], frame).unwrap();
+    // Whole numbers from −3 to 3 without an order.
+    let ties = |n: u32| (n.wrapping_mul(2_654_435_761) >> 7).wrapping_mul(40_503) >> 9;
+    let ties = (0..729).map(|n| (ties(n) % 7) as i8 - 3).collect();
+    write_volume(
+        &folder.path("far.nrrd"),
+        &Volume::new(grid, ties).unwrap().into(),
+        &Job::default(),
+    )
+    .unwrap();
+    let (mut together, ways) =
+        (0, ["--refine 2", "--balance", "--refine 1 --balance", "--max-error 0.02"]);
+    for options in ways {
+        for (ending, unit) in [("glb", ""), ("gltf", "--gltf-unit cm"), ("stl", ""), ("ply", "")] {
+            let mesh = format!("far.{ending}");
+            let ran = extract(&folder, "far.nrrd", &mesh, &format!("--space ras {options} {unit}"));
+            let report = folder.json(&format!("{mesh}.json"));
+            assert_eq!(report["merged_vertices"], 0, "{options}, {ending}");
+            assert!(!ran.err.contains("hold"), "{options}, {ending}: {}", ran.err);
+        }
+        // What was made for millimetres may fall together in metres.
+        let ran = folder.done("convert far.ply -o far.glb");
+        together += usize::from(ran.err.contains("on the place of another one"));
+    }
+    assert!(together > 1, "{together}");
+}
+
+#[test]
+fn creases_fall_together_in_no_file() {
+    let folder = Folder::new();
+    let mut converted = 0;
+    for turn in [20, 35, 70] {
+        let shape = format!(
+            "unit = \"mm\"\n[shape]\nbox = {{ size = [14, 12, 1.4] }}\nrotate = {{ x = {turn}, z = 35 }}\n\
+             move = [255500.3, -130000.2, 200000.1]\n"
+        );
+        std::fs::write(folder.path("part.toml"), shape).unwrap();
+        for (mesh, more) in [("far.glb", ""), ("far.gltf", "--gltf-unit cm"), ("far.ply", "")] {
+            let creases = "--spacing 1 --creases 30 --refine 1";
+            folder.done(&format!("extract part.toml {creases} {more} --report r.json -o {mesh}"));
+            assert_eq!(folder.json("r.json")["merged_vertices"], 0, "{mesh}, {turn}");
+        }
+        let ran = folder.done("convert far.ply -o far.glb");
+        converted += usize::from(ran.err.contains("on the place of another one"));
+    }
+    assert!(converted > 0, "metres that nobody thought of show nothing");
+}

@@ -50,6 +50,16 @@ pub struct MeshContext {
     pub gltf_unit: Option<Unit>,
 }
 
+impl MeshContext {
+    /// What a format multiplies coordinates by before it rounds them to f32, if by anything: glTF is metres, whatever the
+    /// unit; a unit that nobody knows counts as metres.
+    pub fn file_scale(&self, format: Format) -> Option<f64> {
+        let is_gltf = matches!(format, Format::Glb | Format::Gltf);
+        let scale = is_gltf.then(|| gltf::Scale::of(self).0);
+        scale.filter(|&scale| scale != 1.0)
+    }
+}
+
 /// What was written, and what whoever reads it should know.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Written {

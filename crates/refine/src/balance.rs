@@ -17,7 +17,6 @@ use crate::{
     exact::in_chunks,
     ground::Ground,
     settle::{Rules, settle},
-    split::is_spoiled,
 };
 use isokit_geom::vector::{Vector, length, normal, sub};
 use isokit_job::{CHUNK, Cancelled, Job};
@@ -91,7 +90,7 @@ fn balanced<C: Coordinate>(
     let mut system = System::new(&vertices, triangles, job)?;
     let offsets = system.solved(triangles, job)?;
     let Moved { places: moved, mut states, ways } = vertices.moved(offsets, ground, job)?;
-    let doubted = system.doubted(triangles, &ways, job)?;
+    let doubted = system.doubted(triangles, (&ways, ground.way_in_file()), job)?;
     let place = |v: usize, states: &[u8]| -> Vector {
         let place = if states[v] == 0 { places[v] } else { moved[v] };
         place.map(C::into)
@@ -100,10 +99,10 @@ fn balanced<C: Coordinate>(
         parts: &doubted,
         is_bad: |n: usize, states: &[u8]| {
             let before = doubted[n].map(|v| places[v as usize].map(C::into));
-            is_spoiled(doubted[n].map(|v| place(v as usize, states)), normal(before))
+            ground.is_spoiled(doubted[n].map(|v| place(v as usize, states)), normal(before))
         },
         count: places.len(),
-        place: |v: usize, states: &[u8]| Some(place(v, states)),
+        place: |v: usize, states: &[u8]| Some(ground.in_file(place(v, states))),
     };
     settle(&mut states, &rules, job)?;
     let kinds = vertices.kinds;

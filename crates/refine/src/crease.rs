@@ -22,7 +22,7 @@ use crate::{
     ground::Ground,
     places::Things,
     settle::{Rules, settle},
-    split::{Corner, Cut, Split, WHOLE, is_spoiled, rounded},
+    split::{Corner, Cut, Split, WHOLE, rounded},
 };
 use bricks::in_bricks;
 use face::{Face, crossing, meeting_point};
@@ -65,7 +65,7 @@ pub(crate) fn crease(
         _ => Cut::Not,
     };
     let outward = |v: u32| faces[v as usize].map(|face| face.normal.map(|c| -c));
-    let split = Split::cut((mesh, &edges), cut, Some(&outward), job)?;
+    let split = Split::cut((mesh, &edges), cut, Some(&outward), ground, job)?;
     let states = &split.states;
     let vertices = states.iter().filter(|&&state| state != WHOLE).count() as u64;
     if vertices == 0 {
@@ -73,7 +73,7 @@ pub(crate) fn crease(
     }
     let corners = corners((mesh, &edges), &split, &faces, ground, job)?;
     let (mut built, _) = build((mesh, &edges), &split, ground, job)?;
-    let corners = apart(corners, &built, job)?;
+    let corners = apart(corners, &built, ground, job)?;
     let added = corners.len() as u64;
     fan(&mut built, corners, job)?;
     *mesh = built;
@@ -112,10 +112,10 @@ fn bring(
         parts: &mesh.triangles,
         is_bad: |t: usize, states: &[u8]| {
             let corners = mesh.triangles[t];
-            is_spoiled(corners.map(|v| place(v, states)), normal(mesh.corners(corners)))
+            ground.is_spoiled(corners.map(|v| place(v, states)), normal(mesh.corners(corners)))
         },
         count: moved.len(),
-        place: |v: usize, states: &[u8]| Some(place(v as u32, states)),
+        place: |v: usize, states: &[u8]| Some(ground.in_file(place(v as u32, states))),
     };
     settle(&mut states, &rules, job)?;
     let held = (0..states.len()).filter(|&v| states[v] == 1);
@@ -188,7 +188,7 @@ fn corner(
     // A side of what is between two cuts lies on the face of the corner that they cut off.
     let fan = [([ab, bc, place], b), ([bc, ca, place], c), ([ca, ab, place], a)];
     let is_sound =
-        |(corners, face): ([Vector; 3], Face)| !is_spoiled(corners, face.normal.map(|c| -c));
+        |(corners, face): ([Vector; 3], Face)| !ground.is_spoiled(corners, face.normal.map(|c| -c));
     let sum = [0, 1, 2].map(|k| -(a.normal[k] + b.normal[k] + c.normal[k]));
     let long = length(sum);
     let outward = if long > 1e-3 { sum.map(|c| (c / long) as f32) } else { a.outward() };
@@ -196,13 +196,18 @@ fn corner(
 }
 
 /// Those that are nowhere where another one is, or a vertex of the mesh.
-fn apart(mut inner: Vec<Inner>, mesh: &TriMesh, job: &Job) -> Result<Vec<Inner>, RefineError> {
+fn apart(
+    mut inner: Vec<Inner>,
+    mesh: &TriMesh,
+    ground: &Ground<'_>,
+    job: &Job,
+) -> Result<Vec<Inner>, RefineError> {
     let held = mesh.positions.len();
     let place = |n: usize| match n.checked_sub(held) {
         None => mesh.positions.get(n),
         Some(n) => inner[n].place,
     };
-    let things = Things { count: held + inner.len(), place: |n| Some(place(n)) };
+    let things = Things { count: held + inner.len(), place: |n| Some(ground.in_file(place(n))) };
     let mut lost = things.sharing(|n| n >= held, job)?.concat();
     lost.sort_unstable();
     let mut n = held..;

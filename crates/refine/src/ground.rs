@@ -7,9 +7,9 @@
 use isokit_field::ScalarField;
 use isokit_geom::{
     Affine,
-    vector::{Vector, dot, sub},
+    vector::{Vector, dot, normal, sub},
 };
-use isokit_mesh::Precision;
+use isokit_mesh::{Precision, is_degenerate};
 
 use crate::root::root;
 
@@ -68,6 +68,8 @@ pub(crate) struct Ground<'a> {
     least_stretch: f64,
     /// See [`unit`](Self::unit).
     unit: f64,
+    /// What a file multiplies positions by before it rounds them to f32, if it does.
+    file_scale: Option<f64>,
 }
 
 impl<'a> Ground<'a> {
@@ -96,7 +98,47 @@ impl<'a> Ground<'a> {
             Precision::F64 => 1000.0,
         };
         let unit = exponent.clamp(-most, most).exp2();
-        Self { surface, affine, covectors, last, rounding, least_stretch, unit }
+        Self { surface, affine, covectors, last, rounding, least_stretch, unit, file_scale: None }
+    }
+
+    /// The same for a mesh of f32 that a file will hold scaled: see
+    /// [`RefineOptions::file_scale`](crate::RefineOptions::file_scale).
+    pub(crate) fn with_file_scale(self, scale: Option<f64>) -> Self {
+        Self { file_scale: scale, ..self }
+    }
+
+    /// Whether f32 holds the farthest position multiplied by `scale` without a loss of digits.
+    pub(crate) fn fits(&self, scale: f64) -> bool {
+        // What has this step is between these.
+        let [least, most] = [23, 24].map(|n| (self.step() * f64::from(1 << n) * scale) as f32);
+        least.is_normal() && most.is_finite()
+    }
+
+    /// The step of f32 at the farthest position, which is a cell's length from the origin at least.
+    fn step(&self) -> f64 {
+        let of_cell = self.unit / f64::from(1 << 23);
+        of_cell.max(0.5 * self.rounding * self.least_stretch)
+    }
+
+    /// A position as the file will hold it; itself, if that is as it is.
+    #[inline]
+    pub(crate) fn in_file(&self, place: Vector) -> Vector {
+        let Some(scale) = self.file_scale else { return place };
+        place.map(|c| f64::from((c * scale) as f32))
+    }
+
+    /// No position is farther than this from where the file has it, in [units](Self::unit).
+    pub(crate) fn way_in_file(&self) -> f32 {
+        // Along each axis by half a step of the file's f32, of which a step here is half at least.
+        let most = 2.0 * self.step() / self.unit;
+        self.file_scale.map_or(0.0, |_| most as f32)
+    }
+
+    /// Whether a triangle is flat, or does not look where `before` does; here, or in the file.
+    #[inline]
+    pub(crate) fn is_spoiled(&self, corners: [Vector; 3], before: Vector) -> bool {
+        let in_file = || is_spoiled(corners.map(|corner| self.in_file(corner)), before);
+        is_spoiled(corners, before) || self.file_scale.is_some() && in_file()
     }
 
     /// A power of two that is about as long as a cell.
@@ -218,4 +260,11 @@ impl<'a> Ground<'a> {
 fn without(v: Vector, wall: Vector) -> Vector {
     let along = dot(v, wall);
     std::array::from_fn(|k| v[k] - along * wall[k])
+}
+
+/// Whether a triangle is flat, or does not look where `before` does.
+pub(crate) fn is_spoiled(corners: [Vector; 3], before: Vector) -> bool {
+    // False where a number is NaN.
+    let looks_alike = dot(normal(corners), before) > 0.0;
+    !looks_alike || is_degenerate(corners)
 }

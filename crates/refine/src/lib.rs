@@ -14,8 +14,9 @@
 //! - *Creases* of fields that have some, such as those of solids with edges, get vertices: no triangle cuts them off.
 //!
 //! None changes what is connected: closed stays closed, manifold stays manifold. A triangle that would
-//! become flat or turn over, in the precision in which positions are kept, is not made, and no vertex gets to where
-//! another one is: such vertices stay where they were, and are counted.
+//! become flat or turn over, in the precision in which positions are kept or a file will have them
+//! ([`RefineOptions::file_scale`]), is not made, and no vertex gets to where another one is: such vertices stay where they
+//! were, and are counted.
 //!
 //! The result is the same, byte for byte, for any number of threads.
 
@@ -26,6 +27,8 @@ mod edges;
 mod error;
 mod exact;
 mod ground;
+#[cfg(test)]
+mod kit;
 mod known;
 mod options;
 mod places;

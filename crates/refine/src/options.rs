@@ -48,12 +48,17 @@ pub struct RefineOptions {
     /// Not promised: the same gain everywhere. Where the surface curves both ways, as a saddle, chords lie on both sides of it
     /// already; along creases there is no sagitta to go by.
     pub balance: bool,
+    /// What a file multiplies coordinates by before it rounds them to f32, as glTF has metres of a surface in millimetres;
+    /// above 0. Then whatever is promised of places and triangles after rounding holds in that file too, if positions are
+    /// f32 here: where they are f64, f32 cannot hold them anyway. What is farthest from the origin must be a normal number in
+    /// the file too. Default: none, since other files have positions as they are.
+    pub file_scale: Option<f64>,
 }
 
 impl RefineOptions {
     /// The defaults named above: nothing is done.
     pub const DEFAULT: Self =
-        Self { creases: None, subdivision: Subdivision::None, balance: false };
+        Self { creases: None, subdivision: Subdivision::None, balance: false, file_scale: None };
 
     /// The same options with vertices on creases sharper than so many degrees.
     pub const fn with_creases(self, degrees: f64) -> Self {
@@ -70,9 +75,14 @@ impl RefineOptions {
         Self { balance, ..self }
     }
 
+    /// The same options for a file that multiplies coordinates by `scale`, if by any, and rounds them.
+    pub const fn with_file_scale(self, scale: Option<f64>) -> Self {
+        Self { file_scale: scale, ..self }
+    }
+
     /// Whether they leave every surface as it is.
     pub fn do_nothing(&self) -> bool {
-        *self == Self::DEFAULT
+        self.with_file_scale(None) == Self::DEFAULT
     }
 }
 

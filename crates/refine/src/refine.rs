@@ -14,7 +14,7 @@ use crate::{
 };
 use isokit_job::Job;
 use isokit_lanes::exactly;
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Precision, TriMesh};
 
 /// What became of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,8 +51,8 @@ pub struct Refined {
 /// Brings a mesh nearer to the surface that it stands for. Its vertices should be on it, as
 /// `Placement::Cubic` puts them; where they are not, they stay, and their neighbours are better than they.
 ///
-/// No triangle becomes flat and no vertex gets to where another one is, as positions are kept; where the mesh had such, it
-/// may keep them.
+/// No triangle becomes flat and no vertex gets to where another one is, as positions are kept, and as a file will
+/// ([`RefineOptions::file_scale`]); where the mesh had such, it may keep them.
 ///
 /// Normals, if the mesh has some, are outward unit vectors of the surface, best those of `Gradient::Matching`. New
 /// vertices get those of the field, and balance moves all vertices along what they have; a mesh without normals is balanced along those of the
@@ -81,7 +81,12 @@ fn refined(
     options: &RefineOptions,
     job: &Job,
 ) -> Result<Refined, RefineError> {
-    let ground = Ground::new(*surface, mesh.positions.precision());
+    let precision = mesh.positions.precision();
+    let file_scale = options.file_scale.filter(|_| precision == Precision::F32);
+    let ground = Ground::new(*surface, precision).with_file_scale(file_scale);
+    if file_scale.is_some_and(|scale| !ground.fits(scale)) {
+        return Err(RefineError::Options("files in a unit in which f32 cannot hold the positions"));
+    }
     let mut refined = Refined::default();
     if mesh.triangles.is_empty() {
         return Ok(refined);
@@ -118,6 +123,9 @@ fn check(
     }
     if options.creases.is_some_and(|degrees| !(degrees > 0.0 && degrees < 180.0)) {
         return Err(RefineError::Options("creases of an angle that is not above 0 and below 180"));
+    }
+    if options.file_scale.is_some_and(|scale| !(scale > 0.0 && scale.is_finite())) {
+        return Err(RefineError::Options("files whose unit is not above 0"));
     }
     match options.subdivision {
         Subdivision::Levels(levels) if !(1..=Subdivision::MOST).contains(&levels) => {

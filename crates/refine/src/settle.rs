@@ -12,7 +12,7 @@ pub(crate) struct Rules<'a, B, P> {
     pub(crate) is_bad: B,
     /// How many things have a place. Those without a state come last, and stay.
     pub(crate) count: usize,
-    /// Where a thing is, as its position is kept; none if it is nowhere.
+    /// Where a thing is, as its position is kept, or as a file will have it; none if it is nowhere.
     pub(crate) place: P,
 }
 

@@ -13,7 +13,7 @@ use crate::{
 use isokit_geom::vector::{Vector, dot, normal, sub};
 use isokit_job::{CHUNK, Cancelled, Job};
 use isokit_lanes::exactly;
-use isokit_mesh::{Precision, TriMesh, is_degenerate};
+use isokit_mesh::{Precision, TriMesh};
 use rayon::prelude::*;
 
 /// What becomes of an edge: it stays whole.
@@ -80,7 +80,7 @@ impl<'a> Split<'a> {
             false => Cut::Not,
             true => on_surface(mesh, edges.ends[edge], ground).map_or(Cut::Middle, Cut::At),
         };
-        Self::cut((mesh, edges), cut, None, job)
+        Self::cut((mesh, edges), cut, None, ground, job)
     }
 
     /// Cuts edges as `cut` says of each, as far as no triangle becomes flat, or looks away from where the surface looks.
@@ -88,6 +88,7 @@ impl<'a> Split<'a> {
         (mesh, edges): (&'a TriMesh, &'a Edges),
         cut: impl Fn(usize) -> Cut + Sync,
         outward: Option<Outward<'a>>,
+        ground: &Ground<'_>,
         job: &Job,
     ) -> Result<Self, RefineError> {
         const WHAT: &str = "the new vertices of the surface";
@@ -119,12 +120,12 @@ impl<'a> Split<'a> {
         let split = Self { mesh, edges, outward, states: vec![], moved };
         let rules = Rules {
             parts: &edges.sides,
-            is_bad: |t: usize, states: &[u8]| split.spoils(t, states),
+            is_bad: |t: usize, states: &[u8]| split.spoils(t, states, ground),
             count: edges.len() + mesh.positions.len(),
             place: |n: usize, states: &[u8]| match states.get(n) {
                 Some(&WHOLE) => None,
-                Some(_) => Some(split.place(Corner::Edge(n as u32), states)),
-                None => Some(mesh.positions.get(n - states.len())),
+                Some(_) => Some(ground.in_file(split.place(Corner::Edge(n as u32), states))),
+                None => Some(ground.in_file(mesh.positions.get(n - states.len()))),
             },
         };
         settle(&mut states, &rules, job)?;
@@ -195,7 +196,7 @@ impl<'a> Split<'a> {
     }
 
     /// Whether a triangle that comes of triangle `t` is flat, or looks away from where that looks.
-    fn spoils(&self, t: usize, states: &[u8]) -> bool {
+    fn spoils(&self, t: usize, states: &[u8], ground: &Ground<'_>) -> bool {
         if self.is_whole(t, states) {
             return false;
         }
@@ -207,16 +208,9 @@ impl<'a> Split<'a> {
                 Corner::Edge(_) => None,
             });
             let corners = child.map(|corner| self.place(corner, states));
-            is_spoiled(corners, old.unwrap_or(before))
+            ground.is_spoiled(corners, old.unwrap_or(before))
         })
     }
-}
-
-/// Whether a triangle is flat, or does not look where `before` does.
-pub(crate) fn is_spoiled(corners: [Vector; 3], before: Vector) -> bool {
-    // False for what is not finite too.
-    let looks_alike = dot(normal(corners), before) > 0.0;
-    !looks_alike || is_degenerate(corners)
 }
 
 /// The middle of an edge.

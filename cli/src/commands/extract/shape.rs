@@ -38,9 +38,10 @@ pub(super) fn extract(
         sparse_meshes_into(&samples, &isos, &options, &mut meshes, &session.job)
     })?;
     let mut surfaces = surfaces(&plan.levels, &isos, meshes);
+    let options = plan.refine.with_file_scale(plan.target.file_scale(grid.frame.unit));
     let mut refine = |surface: &mut Surface| {
         let isosurface = Isosurface { field: &placed, iso: surface.iso.unwrap_or(f64::NAN) };
-        refine_on(&isosurface, &mut surface.mesh, (&plan.refine, &plan.surface), &session.job)
+        refine_on(&isosurface, &mut surface.mesh, (&options, &plan.surface), &session.job)
     };
     let refined = timed(&mut timings.mend, || {
         surfaces.iter_mut().map(&mut refine).collect::<Result<Vec<_>, _>>()

@@ -33,11 +33,11 @@ use isokit_geom::Unit;
 
 /// How many metres one unit of a mesh is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Scale(f64);
+pub(super) struct Scale(pub(super) f64);
 
 impl Scale {
     /// Of a unit that nobody knows, one is one metre.
-    fn of(context: &MeshContext) -> Self {
+    pub(super) fn of(context: &MeshContext) -> Self {
         let unit: Unit = context.gltf_unit.unwrap_or(context.unit);
         Self(unit.metres().unwrap_or(1.0))
     }

@@ -15,7 +15,9 @@ impl Scan {
     /// gradient are [`Matching`](isokit_marching_cubes::Gradient::Matching) ones in any case.
     ///
     /// Vertices that are there stay or are balanced where they are, so they should be of
-    /// [`Placement::Cubic`](isokit_marching_cubes::Placement::Cubic) or better.
+    /// [`Placement::Cubic`](isokit_marching_cubes::Placement::Cubic) or better. For a mesh that is written as glTF,
+    /// [`RefineOptions::file_scale`] should be what [`MeshContext::file_scale`](isokit_io::MeshContext::file_scale) of
+    /// [`context`](Self::context) says.
     ///
     /// # Errors
     ///

@@ -127,15 +127,16 @@ impl System {
         Ok(offsets)
     }
 
-    /// The triangles that may be spoiled if their corners go such ways, in order, some of them twice.
+    /// The triangles that may be spoiled if their corners go such ways, and in a file so much farther, in order, some of
+    /// them twice.
     pub(super) fn doubted(
         &self,
         triangles: &[[u32; 3]],
-        ways: &[f32],
+        (ways, in_file): (&[f32], f32),
         job: &Job,
     ) -> Result<Vec<[u32; 3]>, Cancelled> {
         job.check()?;
-        let doubted = |part: &Part| exactly(|| part.doubted(triangles, ways));
+        let doubted = |part: &Part| exactly(|| part.doubted(triangles, (ways, in_file)));
         let each: Vec<_> = job.threads.run(|| self.parts.par_iter().map(doubted).collect());
         Ok(each.concat())
     }
@@ -238,7 +239,7 @@ impl Part {
     ///
     /// If no corner goes farther than A / 4l, where A is the area and l the longest side, both sides at a
     /// corner change by less than A / 2l, and the normal, 2A long, by less than 2 l A / 2l + (A / 2l)² < 1.2 A.
-    fn doubted(&self, triangles: &[[u32; 3]], ways: &[f32]) -> Vec<[u32; 3]> {
+    fn doubted(&self, triangles: &[[u32; 3]], (ways, in_file): (&[f32], f32)) -> Vec<[u32; 3]> {
         /// More than areas are off by rounding, over the square of the longest side.
         const ROUNDING: f32 = 1e-5;
         let (length, margin) = (4.001 * self.longest.sqrt(), ROUNDING * self.longest);
@@ -248,7 +249,7 @@ impl Part {
             let triangle = triangles[t];
             let [a, b, c] = triangle.map(|v| ways[v as usize]);
             let way = a.max(b).max(c);
-            let is_safe = way == 0.0 || length * way + margin <= 12.0 * weight;
+            let is_safe = way == 0.0 || length * (way + in_file) + margin <= 12.0 * weight;
             if !is_safe {
                 doubted.push(triangle);
             }

@@ -1,9 +1,13 @@
 //! Solids with edges have them, and what is round has none.
 
-use crate::{Isosurface, RefineError, RefineOptions, Refined, refine};
+use crate::{
+    Isosurface, RefineError, RefineOptions, Refined,
+    kit::{FAR, lost},
+    refine,
+};
 use isokit_field::{Jet, ScalarField, Slope};
 use isokit_geom::{
-    Aabb, Affine,
+    Aabb, Affine, Frame,
     vector::{Vector, cross, dot, length},
 };
 use isokit_job::{Job, Threads};
@@ -23,6 +27,8 @@ struct Block {
     axes: [Vector; 3],
     half: Vector,
     round: f64,
+    /// Where its first sample is in the world.
+    origin: Vector,
 }
 
 impl Block {
@@ -35,7 +41,7 @@ impl Block {
             [0, 1, 2].map(|k| cos * v[k] + sin * across[k] + along * [x, y, z][k])
         };
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(turned);
-        Self { axes, half, round }
+        Self { axes, half, round, origin: [0.0; 3] }
     }
 
     /// Between its axes, how far beside the faces of the box within; and the signs.
@@ -53,7 +59,7 @@ impl ScalarField for Block {
     }
 
     fn index_to_world(&self) -> Affine {
-        Affine::IDENTITY
+        Affine::axis_aligned([1.0; 3], self.origin).unwrap()
     }
 
     fn value(&self, ijk: Vector) -> f64 {
@@ -93,8 +99,8 @@ fn plain(field: &dyn ScalarField) -> TriMesh {
 fn extracted(field: &dyn ScalarField, diagonals: Diagonals) -> TriMesh {
     let at = |n: usize| [n % N, n / N % N, n / N / N].map(|c| c as f64);
     let samples = (0..N * N * N).map(|n| field.value(at(n)) as f32).collect();
-    let volume =
-        Volume::new(Grid::new([N as u64; 3], Default::default()).unwrap(), samples).unwrap();
+    let frame = Frame { index_to_world: field.index_to_world(), ..Frame::default() };
+    let volume = Volume::new(Grid::new([N as u64; 3], frame).unwrap(), samples).unwrap();
     let options = ExtractOptions::DEFAULT.with_diagonals(diagonals);
     extract(&volume.view(), 0.0, &options, &Job::default()).unwrap()
 }
@@ -167,6 +173,30 @@ fn more_blocks_are_whole_where_diagonals_were_fitted() {
     }
     assert!(whole[1] > whole[0] && whole[0] > 200, "{whole:?}");
     assert!(errors[1] < 0.6 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn far_away_in_a_file_of_another_unit_nothing_is_in_one_place_or_flat_that_is_not_here() {
+    let mut unscaled = [0, 0];
+    // The file's step is up to twice the one here.
+    for (n, scale) in (0..40).zip([1e-3, 1.0025e-3, 0.0254, 0.3].into_iter().cycle()) {
+        let turn = f64::from(n);
+        let about = [turn.sin(), turn.cos(), 0.3];
+        let block = Block::new(about, 13.0 * turn, [6.2, 5.1, [3.7, 0.7][n as usize / 4 % 2]], 0.0);
+        let block = Block { origin: FAR.map(|c| c + 0.37 * turn), ..block };
+        let surface = Isosurface { field: &block, iso: 0.0 };
+        let lost = |options: RefineOptions| {
+            let mut mesh = plain(&block);
+            let found = refine(&mut mesh, &surface, &options, &Job::default()).unwrap();
+            assert!(found.creased > 100, "{found:?}");
+            lost(&mesh, scale)
+        };
+        let options = RefineOptions::DEFAULT.with_creases(30.0);
+        assert_eq!(lost(options.with_file_scale(Some(scale))), [0, 0], "{n}, {scale}");
+        let found = lost(options);
+        unscaled = [unscaled[0] + found[0], unscaled[1] + found[1]];
+    }
+    assert!(unscaled != [0, 0], "it shows nothing");
 }
 
 #[test]

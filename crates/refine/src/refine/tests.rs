@@ -2,16 +2,17 @@
 
 use super::{Divided, Refined};
 use crate::{
-    Isosurface, RefineOptions, Subdivision,
+    Isosurface, RefineError, RefineOptions, Subdivision,
     edges::{Edges, NEW},
     ground::Ground,
+    kit::{FAR, lost},
     known::Known,
     refine,
     sagitta::Sagitta,
     split::middle,
 };
 use isokit_field::{Sampled, ScalarField};
-use isokit_geom::vector::sub;
+use isokit_geom::{Affine, Frame, vector::sub};
 use isokit_job::Job;
 use isokit_marching_cubes::{Boundary, ExtractOptions, Gradient, Placement, extract};
 use isokit_mesh::TriMesh;
@@ -158,4 +159,54 @@ fn where_no_triangle_is_known_there_is_no_bound() {
     let found = refine(&mut mesh, &surface, &options, &job).unwrap();
     assert!(mesh.triangles.len() == 8 && found.unbounded == 8, "{found:?}");
     assert_eq!(found.bound, None);
+}
+
+/// Millimetres as far from the origin as f32 goes: a step is a 64th of the distance of samples.
+#[test]
+fn in_a_file_of_another_unit_nothing_is_in_one_place_or_flat_that_is_not_here() {
+    let affine = Affine::axis_aligned([1.0; 3], FAR).unwrap();
+    let grid = Grid::new([7; 3], Frame { index_to_world: affine, ..Frame::default() }).unwrap();
+    let levels = |n| RefineOptions::DEFAULT.with_subdivision(Subdivision::Levels(n));
+    let ways = [levels(1), levels(2).with_balance(true), RefineOptions::DEFAULT.with_balance(true)];
+    let mut unscaled = [0, 0];
+    for (seed, scale) in (1..).zip([1e-3, 1e-3, 0.0254, 1e-10, 1e-3, 0.3]) {
+        let ties = chance(343, 3.4, seed).into_iter().map(f32::round).collect();
+        let volume = Volume::new(grid, ties).unwrap();
+        let field = Sampled::new(volume.view());
+        let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+        let extracting = ExtractOptions::DEFAULT.with_placement(Placement::Cubic);
+        let plain = extract(&volume.view(), 0.0, &extracting, &Job::default()).unwrap();
+        assert_eq!(lost(&plain, scale), [0, 0], "before anything is done");
+        for options in ways {
+            let done = |options: &RefineOptions| {
+                let mut mesh = plain.clone();
+                refine(&mut mesh, &surface, options, &Job::default()).unwrap();
+                mesh
+            };
+            let of_scale = done(&options.with_file_scale(Some(scale)));
+            assert_eq!((lost(&of_scale, scale), lost(&of_scale, 1.0)), ([0, 0], [0, 0]), "{seed}");
+            let found = lost(&done(&options), scale);
+            unscaled = [unscaled[0] + found[0], unscaled[1] + found[1]];
+        }
+    }
+    assert!(unscaled[0] > 0 && unscaled[1] > 0, "{unscaled:?}: it shows nothing");
+}
+
+#[test]
+fn a_file_that_holds_no_positions_is_an_error() {
+    let volume =
+        Volume::new(Grid::new([2; 3], Frame::default()).unwrap(), vec![0.0_f32; 8]).unwrap();
+    let field = Sampled::new(volume.view());
+    let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+    let plain = extract(&volume.view(), 0.0, &ExtractOptions::DEFAULT, &Job::default()).unwrap();
+    let refined = |scale| {
+        let options = RefineOptions::DEFAULT.with_file_scale(Some(scale)).with_balance(true);
+        refine(&mut plain.clone(), &surface, &options, &Job::default())
+    };
+    // Of 1, which is the farthest that samples are, the least and the greatest that f32 holds whole.
+    for scale in [0.0, -1e-3, f64::NAN, f64::INFINITY, 1e-38, 4e38] {
+        assert!(matches!(refined(scale), Err(RefineError::Options(_))), "{scale}");
+    }
+    assert!([2e-38, 1e-3, 1e38].into_iter().all(|scale| refined(scale).is_ok()));
+    assert!(RefineOptions::DEFAULT.with_file_scale(Some(1e-3)).do_nothing());
 }

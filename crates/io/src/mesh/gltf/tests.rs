@@ -90,6 +90,12 @@ fn coordinates_are_metres_with_y_up() {
         let context = MeshContext { unit, gltf_unit, ..context() };
         let expected = [1.0, 3.0, -2.0].map(|c: f64| (c * metres) as f32);
         assert_eq!(stored(&surface, &context)[0], expected, "{unit:?} {gltf_unit:?}");
+        let scale = Some(metres).filter(|&metres| metres != 1.0);
+        assert_eq!([Format::Glb, Format::Gltf].map(|f| context.file_scale(f)), [scale; 2]);
+        assert_eq!(
+            [Format::Obj, Format::Ply, Format::Stl].map(|f| context.file_scale(f)),
+            [None; 3]
+        );
         let input = read_back(
             Format::Glb,
             written(Format::Glb, std::slice::from_ref(&surface), &context).0,
