@@ -118,6 +118,8 @@ def test_ties_and_data(tally: Tally) -> None:
     tally.check("check_ties", "a sound mesh has no fault", not mesh_faults(sphere(), ""))
     for name, mesh in (("hole", holed()), ("flat triangles", flat), ("inside out", inside_out())):
         tally.check("check_ties", f"sees {name}", bool(mesh_faults(mesh, "")))
+    tally.check("check_ties", "lets an open one end", not mesh_faults(holed(), "", is_open=True))
+    tally.check("check_ties", "but be flat nowhere", bool(mesh_faults(flat, "", is_open=True)))
     points = np.random.default_rng(0).normal(0, 50, (500, 3)).astype(np.float32)
     moved = points.copy()
     ulp = np.spacing(np.abs(points).max())
