@@ -5,7 +5,9 @@
 use isokit::{
     geom::{Affine, Frame},
     job::{Job, Limits, Stopped, Threads},
-    marching_cubes::{Boundary, Degenerate, ExtractOptions, Gradient, Nan, Placement, Topology},
+    marching_cubes::{
+        Boundary, Degenerate, Diagonals, ExtractOptions, Gradient, Nan, Placement, Topology,
+    },
     mesh::{TriMesh, measure},
     pipeline::{Normals, PipelineError, Scan, SurfaceOptions},
     refine::{RefineError, RefineOptions, Refined, Subdivision},
@@ -52,13 +54,6 @@ fn of(scan: &Scan, options: &RefineOptions) -> TriMesh {
     refined(scan, (0.0, options), &surface(), &Job::default()).0
 }
 
-/// The ball and the ring with their volumes.
-fn shapes() -> [(&'static str, Field, f64); 2] {
-    let ball = 4.0 / 3.0 * PI * 0.7_f64.powi(3);
-    let ring = 2.0 * PI * PI * 0.6 * 0.25 * 0.25;
-    [("ball", fields::sphere(0.7), ball), ("ring", fields::torus(0.6, 0.25), ring)]
-}
-
 /// Root mean square over all triangles, and the error of the volume.
 fn errors(mesh: &TriMesh, field: &Field, volume: f64) -> [f64; 2] {
     let enclosed = measure(mesh, &Job::default()).unwrap().volume;
@@ -73,7 +68,7 @@ fn outward(field: &Field, place: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn each_division_leaves_a_quarter_of_the_error() {
-    for (name, field, volume) in shapes() {
+    for (name, field, volume) in fields::ball_and_ring() {
         let scan = Scan::new(volumes::cube(&field, 33));
         let all = [0, 1, 2].map(|n| errors(&of(&scan, &levels(n)), &field, volume));
         for pair in all.windows(2) {
@@ -87,7 +82,7 @@ fn each_division_leaves_a_quarter_of_the_error() {
 
 #[test]
 fn balance_is_nearly_the_best_that_offsets_can_do_and_keeps_the_volume() {
-    for (name, field, volume) in shapes() {
+    for (name, field, volume) in fields::ball_and_ring() {
         let scan = Scan::new(volumes::cube(&field, 49));
         let plain = of(&scan, &levels(0));
         let (balanced, found) = refined(&scan, (0.0, &BALANCE), &surface(), &Job::default());
@@ -105,7 +100,7 @@ fn balance_is_nearly_the_best_that_offsets_can_do_and_keeps_the_volume() {
 
 #[test]
 fn the_volume_of_a_balanced_surface_is_of_an_order_above_three() {
-    for (name, field, volume) in shapes() {
+    for (name, field, volume) in fields::ball_and_ring() {
         let error = |points| {
             let scan = Scan::new(volumes::cube(&field, points));
             errors(&of(&scan, &BALANCE), &field, volume)[1]
@@ -118,7 +113,7 @@ fn the_volume_of_a_balanced_surface_is_of_an_order_above_three() {
 
 #[test]
 fn divided_and_balanced_is_better_than_either() {
-    for (name, field, volume) in shapes() {
+    for (name, field, volume) in fields::ball_and_ring() {
         let scan = Scan::new(volumes::cube(&field, 33));
         let error = |options| errors(&of(&scan, &options), &field, volume);
         let [divided, both] = [error(levels(1)), error(levels(1).with_balance(true))];
@@ -129,7 +124,7 @@ fn divided_and_balanced_is_better_than_either() {
 
 #[test]
 fn an_error_that_is_named_is_kept_with_fewer_triangles_than_everywhere_the_same() {
-    for (name, field, _) in shapes() {
+    for (name, field, _) in fields::ball_and_ring() {
         let scan = Scan::new(volumes::cube(&field, 33));
         let everywhere = of(&scan, &levels(2));
         let error = deviation(&everywhere, &field).greatest;
@@ -169,16 +164,18 @@ fn a_sheared_and_stretched_lattice_is_as_good() {
 }
 
 /// All that may be done, one after another.
-fn ways() -> [RefineOptions; 4] {
-    [levels(1), BALANCE, levels(2).with_balance(true), max_error(0.1).with_balance(true)]
+fn ways() -> [RefineOptions; 5] {
+    let bounded = max_error(0.1);
+    [levels(1), BALANCE, levels(2).with_balance(true), bounded, bounded.with_balance(true)]
 }
 
 const PLACEMENTS: [Placement; 3] = [Placement::Cubic, Placement::Linear, Placement::Quintic];
 
 fn check_chance(scan: &Scan, boundary: Boundary, placement: Placement) {
-    for topology in [Topology::Table, Topology::Trilinear] {
-        let extract = ExtractOptions::DEFAULT.with_topology(topology).with_boundary(boundary);
-        let extract = extract.with_placement(placement);
+    let extract = ExtractOptions::DEFAULT.with_boundary(boundary).with_placement(placement);
+    let fitted = extract.clone().with_diagonals(Diagonals::Fitted);
+    let of_table = |options: &ExtractOptions| options.clone().with_topology(Topology::Table);
+    for extract in [of_table(&extract), of_table(&fitted), extract, fitted] {
         let surface = surface().with_extract(extract);
         let plain = scan.mesh(0.0, &surface, &Job::default()).unwrap();
         let before = assert_sound(&plain);
@@ -188,8 +185,7 @@ fn check_chance(scan: &Scan, boundary: Boundary, placement: Placement) {
             assert_eq!(after.boundary_sides == 0, before.boundary_sides == 0, "{options:?}");
             assert_eq!(after.euler, before.euler, "{options:?}");
             assert_eq!(after.components, before.components, "{options:?}");
-            let new = mesh.positions.len() - plain.positions.len();
-            assert_eq!(found.new_vertices, new as u64);
+            assert_eq!(found.new_vertices as usize, mesh.positions.len() - plain.positions.len());
         }
     }
 }
@@ -346,7 +342,7 @@ fn positions_do_not_depend_on_the_normals_that_are_wanted() {
 
 #[test]
 fn a_mesh_without_normals_is_balanced_along_those_of_the_field() {
-    for (name, field, volume) in shapes() {
+    for (name, field, volume) in fields::ball_and_ring() {
         let scan = Scan::new(volumes::cube(&field, 33));
         let bare = surface().with_normals(Normals::None);
         let mut mesh = scan.mesh(0.0, &bare, &Job::default()).unwrap();
