@@ -148,7 +148,7 @@ class Run:
         }
 
     def _order_points(self, name: str, field: Field, cloud: np.ndarray) -> list[dict]:
-        """What orders are seen on, where that is not what tools are timed on. Of a full run only."""
+        """What orders are seen on beside what tools are timed on. Of a full run only."""
         points: list[dict] = []
         if self.scale != "full" or not field.order_sizes:
             return points

@@ -208,6 +208,24 @@ def curve(tool: str, sizes: tuple[int, ...], error: float, order: float, ms: flo
     return points
 
 
+def more_lattices(tally: Tally, run: dict) -> None:
+    """Orders that are seen on lattices beside those of a run."""
+    quintic, what = "isokit quintic exact matching f64", "order of vertices, quintic"
+    coarse = [point for point in run["points"] if point["n"] < 60]
+    for name, points, sizes, order in (
+        ("between the others", coarse, (41, 71), 5.2),
+        ("in place of one as fine, and finer", run["points"], (101, 201, 301, 401), 6.0),
+    ):
+        more = curve(quintic, sizes, 1e-3, order, 0.01)
+        figures = promised([run | {"points": points, "order_points": more}])
+        figure = next(figure for figure in figures if figure.what == what)
+        right = figure.is_seen and abs((figure.value or 0) / order - 1) < 1e-9
+        tally.check("lattices more", name, right, figure)
+    figures = promised([run | {"points": coarse}])
+    alone = next(figure for figure in figures if figure.what == what)
+    tally.check("lattices more", "two alone show none", not alone.is_seen, alone)
+
+
 def promises(tally: Tally) -> None:
     """Figures of tools whose errors and times are known at every size."""
     sizes = (33, 51, 101, 201)
@@ -251,6 +269,7 @@ def promises(tally: Tally) -> None:
         figure = by_name[what]
         right = abs(figure.value / value - 1) < 1e-9 and figure.holds() == holds
         tally.check("promises", what, right, f"{figure.value}, not {value}")
+    more_lattices(tally, run | {"best_by_offsets": []})
     first = by_name["time to vertices of RMS 1e-06, times less"]
     tally.check("promises", "a bound is said", first.bound == "≥ ", first)
     tally.check("promises", "the best peer is named", "Flying Edges" in first.beside, first.beside)

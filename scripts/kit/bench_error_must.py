@@ -33,8 +33,8 @@ program does. *Volume* is the error of the enclosed volume, over that before `ba
 
 *Order* is the slope of a line through the {FINEST} finest lattices, samples and positions as f64;
 normals are f32 always, and those right to {NORMALS:g}° are left out. Where the errors of a field
-depend on where slices cut it, orders are seen on lattices of their own, at {len(POSITIONS)} places each:
-the squares of the errors of all are taken together."""
+depend on where slices cut it, or those of most lattices are no more than rounding, orders are seen on
+lattices more, at {len(POSITIONS)} places each: the squares of the errors of all are taken together."""
 
 
 @dataclass
@@ -164,7 +164,10 @@ def of_balance(run: dict) -> list[Figure]:
 
 def orders(run: dict) -> list[Figure]:
     """By how fast errors fall."""
-    curves, found = by_tool(run.get("order_points") or run["points"]), []
+    more = run.get("order_points") or []
+    sizes = {point["n"] for point in more}
+    curves = by_tool([point for point in run["points"] if point["n"] not in sizes] + more)
+    found = []
     modes = (("linear exact", 1.9), ("cubic exact matching", 3.8), ("quintic exact matching", 5.5))
     for mode, must in modes:
         points = curves.get(f"{OWN} {mode} {DOUBLE}", [])
