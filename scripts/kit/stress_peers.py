@@ -36,11 +36,10 @@ def refuse_origin(case: Case) -> None:
 class Vtk:
     """A filter of VTK. Samples are made contiguous for it, as VTK holds no others."""
 
-    settings = "no normals, gradients or scalars; one thread"
-
-    def __init__(self, peer: bench_peers.Vtk) -> None:
+    def __init__(self, peer: bench_peers.Vtk, note: str = "") -> None:
         """Takes the filter's adapter."""
         self.peer = peer
+        self.settings = "no normals, gradients or scalars; one thread" + note
 
     def mesh(self, samples: np.ndarray, case: Case) -> Mesh:
         """Points and polygons of a new filter."""
@@ -157,6 +156,7 @@ class Meshlib:
 PEERS = {
     "vtk Flying Edges": lambda: Vtk(bench_peers.FlyingEdges()),
     "vtk contour filter": lambda: Vtk(bench_peers.Contour()),
+    "vtk SurfaceNets": lambda: Vtk(bench_peers.SurfaceNets(), "; of labels, 1 inside and 0 outside; not smoothed"),
     "scikit-image": ScikitImage,
     "PyMCubes": PyMCubes,
     "pysplashsurf": Splashsurf,
