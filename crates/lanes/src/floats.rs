@@ -19,6 +19,7 @@ fn apart<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
+// Miri knows no `asm!`.
 #[cfg(all(target_arch = "x86_64", not(miri)))]
 mod control {
     use std::arch::asm;
