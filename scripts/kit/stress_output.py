@@ -29,7 +29,8 @@ An item has several volumes. *pass*: nothing is wrong with any of those that the
 *cannot*: it refuses all of them, with an exception; where it refuses some, their number is given.
 A crash, or no answer within {limit} s, is a failure; and once a peer has taken as long over an item,
 the rest of its volumes are not tried, and their number is given. Otherwise the cell has the faults of all
-volumes, and for isokit of all modes, together. A peer has {memory} GiB of address space."""
+volumes, and for isokit of all modes, together. A peer has {memory} GiB of address space. VTK's SurfaceNets
+take no part: they are given labels, of which most items here make nothing that is hard."""
 
 
 @dataclass

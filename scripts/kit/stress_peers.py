@@ -1,5 +1,7 @@
 """The peers of the stress list: those of the benchmark, with their meshes as arrays. Needs numpy.
 
+VTK's SurfaceNets are not among them: they take labels, and what is hard in a value is gone from these.
+
 A peer that has no setting for spacing, origin or orientation refuses a volume that needs it. What
 is refused with an exception is listed as "cannot"; what ends the process is a failure.
 """
@@ -36,10 +38,11 @@ def refuse_origin(case: Case) -> None:
 class Vtk:
     """A filter of VTK. Samples are made contiguous for it, as VTK holds no others."""
 
-    def __init__(self, peer: bench_peers.Vtk, note: str = "") -> None:
+    settings = "no normals, gradients or scalars; one thread"
+
+    def __init__(self, peer: bench_peers.Vtk) -> None:
         """Takes the filter's adapter."""
         self.peer = peer
-        self.settings = "no normals, gradients or scalars; one thread" + note
 
     def mesh(self, samples: np.ndarray, case: Case) -> Mesh:
         """Points and polygons of a new filter."""
@@ -156,7 +159,6 @@ class Meshlib:
 PEERS = {
     "vtk Flying Edges": lambda: Vtk(bench_peers.FlyingEdges()),
     "vtk contour filter": lambda: Vtk(bench_peers.Contour()),
-    "vtk SurfaceNets": lambda: Vtk(bench_peers.SurfaceNets(), "; of labels, 1 inside and 0 outside; not smoothed"),
     "scikit-image": ScikitImage,
     "PyMCubes": PyMCubes,
     "pysplashsurf": Splashsurf,
