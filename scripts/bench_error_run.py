@@ -148,10 +148,14 @@ class Run:
         }
 
     def _order_points(self, name: str, field: Field, cloud: np.ndarray) -> list[dict]:
-        """What orders are seen on beside what tools are timed on. Of a full run only."""
+        """What orders are seen on beside what tools are timed on. Of a full run only.
+
+        Only one process at a time holds samples: all of them together do not fit in 24 GB.
+        """
         points: list[dict] = []
         if self.scale != "full" or not field.order_sizes:
             return points
+        self.close()
         for n in field.order_sizes:
             found = {tool: [] for tool in filter(is_double, self.tools)}
             for position in POSITIONS:
@@ -162,6 +166,7 @@ class Run:
                 for tool, parts in found.items():
                     self.tools[tool].take(volume)
                     mesh = self.tools[tool].mesh(self.scratch / "mesh")
+                    self.tools[tool].close()
                     mesh.vertices += moved
                     parts.append(of_vertices(mesh, field, cloud))
                 path.unlink()
@@ -188,7 +193,7 @@ class Run:
         return volumes, seconds
 
     def close(self) -> None:
-        """Ends all processes."""
+        """Ends all processes; they start anew with the next samples they get."""
         for tool in self.tools.values():
             tool.close()
 
