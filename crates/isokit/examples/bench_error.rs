@@ -82,6 +82,9 @@ struct Answer {
     seconds: f64,
     vertices: usize,
     triangles: usize,
+    /// If an error was named, the greatest that a triangle may have, in samples, and how many triangles have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound: Option<(Option<f64>, u64)>,
     /// Why there is no result.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
@@ -141,10 +144,11 @@ impl State {
         let (surface, refining) = (surface(making), refining(making)?);
         let start = Instant::now();
         let mut mesh = scan.mesh(self.iso, &surface.before(&refining), job)?;
-        scan.refine(self.iso, &mut mesh, (&refining, &surface), job)?;
+        let refined = scan.refine(self.iso, &mut mesh, (&refining, &surface), job)?;
         let seconds = start.elapsed().as_secs_f64();
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
-        Ok((Answer { seconds, vertices, triangles, error: None }, mesh))
+        let bound = making.max_error.map(|_| (refined.bound, refined.unbounded));
+        Ok((Answer { seconds, vertices, triangles, bound, error: None }, mesh))
     }
 }
 

@@ -141,6 +141,32 @@ impl<'a> Ground<'a> {
         is_spoiled(corners, before) || self.file_scale.is_some() && in_file()
     }
 
+    /// Whether a triangle is flat or turned over; here, or in the file. Turned over is one that does not look where `before` does.
+    /// But a thin triangle may look any way along the surface, and what is made of it better: so it is not if, by the field, it
+    /// looks outward at all corners, and `before` does at one.
+    #[inline]
+    pub(crate) fn is_turned(&self, corners: [Vector; 3], before: Vector) -> bool {
+        let is_turned = |kept: [Vector; 3]| {
+            let is_outward = || self.is_outward(corners, normal(kept), before);
+            is_spoiled(kept, before) && (is_degenerate(kept) || !is_outward())
+        };
+        let in_file = || is_turned(corners.map(|corner| self.in_file(corner)));
+        is_turned(corners) || self.file_scale.is_some() && in_file()
+    }
+
+    /// Whether a way leads out of the surface at all of these places, and another at one.
+    fn is_outward(&self, places: [Vector; 3], way: Vector, other: Vector) -> bool {
+        let mut is_other = false;
+        let is_way = places.into_iter().all(|place| {
+            let spot = self.spot(place);
+            let ascent = self.ascent(self.field().slope(spot.ijk).gradient, [false; 3]);
+            let leads_out = |way| ascent.is_some_and(|ascent| dot(way, ascent.direction) < 0.0);
+            is_other |= leads_out(other);
+            !spot.is_beyond && leads_out(way)
+        });
+        is_way && is_other
+    }
+
     /// A power of two that is about as long as a cell.
     pub(crate) fn unit(&self) -> f64 {
         self.unit
@@ -162,8 +188,15 @@ impl<'a> Ground<'a> {
     /// Whether a point is on no side of a border that it is not held to, not even by rounding.
     #[inline]
     pub(crate) fn is_within(&self, xyz: Vector, held: [bool; 3]) -> bool {
+        let beyond = self.beyond(xyz);
+        (0..3).all(|k| held[k] || !beyond[k])
+    }
+
+    /// Along which axes a point is outside of the volume, be it by rounding.
+    #[inline]
+    fn beyond(&self, xyz: Vector) -> [bool; 3] {
         let ijk = self.spot(xyz).ijk;
-        (0..3).all(|k| held[k] || (0.0..=self.last[k]).contains(&ijk[k]))
+        std::array::from_fn(|k| !(0.0..=self.last[k]).contains(&ijk[k]))
     }
 
     /// Whether it is a sample or more from every border.
@@ -237,7 +270,8 @@ impl<'a> Ground<'a> {
     }
 
     /// The point of the surface along its gradient from `start`, not farther than `reach` in the world and
-    /// half a cell in index space, and along the borders that are held.
+    /// half a cell in index space, and along the borders that are held. Where it would be outside of the volume, one that is as
+    /// near to that border as `start`.
     pub(crate) fn projected(&self, start: Vector, held: [bool; 3], reach: f64) -> Option<Vector> {
         let spot = self.spot(start);
         if spot.is_beyond {
@@ -252,7 +286,12 @@ impl<'a> Ground<'a> {
         };
         let t = root(value, ascent.steepness, reach.min(0.5 / most))?;
         let end: Vector = std::array::from_fn(|k| start[k] + t * ascent.direction[k]);
-        self.is_within(end, held).then_some(end)
+        if self.is_within(end, held) {
+            return Some(end);
+        }
+        let beyond = self.beyond(end);
+        let along_more = std::array::from_fn(|k| held[k] || beyond[k]);
+        if self.is_within(start, held) { self.projected(start, along_more, reach) } else { None }
     }
 }
 

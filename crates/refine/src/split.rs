@@ -195,7 +195,7 @@ impl<'a> Split<'a> {
         self.outward.is_some()
     }
 
-    /// Whether a triangle that comes of triangle `t` is flat, or looks away from where that looks.
+    /// Whether a triangle that comes of triangle `t` is flat or turned over.
     fn spoils(&self, t: usize, states: &[u8], ground: &Ground<'_>) -> bool {
         if self.is_whole(t, states) {
             return false;
@@ -208,7 +208,10 @@ impl<'a> Split<'a> {
                 Corner::Edge(_) => None,
             });
             let corners = child.map(|corner| self.place(corner, states));
-            ground.is_spoiled(corners, old.unwrap_or(before))
+            match old {
+                Some(outward) => ground.is_spoiled(corners, outward),
+                None => ground.is_turned(corners, before),
+            }
         })
     }
 }
