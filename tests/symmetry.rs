@@ -7,7 +7,7 @@ use isokit::{
     geom::{Affine, Frame},
     job::Job,
     marching_cubes::{
-        Boundary, Degenerate, ExtractOptions, Gradient, Placement, Topology, extract,
+        Boundary, Degenerate, Diagonals, ExtractOptions, Gradient, Placement, Topology, extract,
     },
     mesh::TriMesh,
     volume::{Dtype, Sample, View, Volume},
@@ -16,7 +16,7 @@ use isokit_tests::{
     chance::Chance,
     check::Census,
     fields, hard,
-    modes::modes,
+    modes::modes_some_fitted,
     symmetry::{Seat, Symmetry, assert_symmetric, rims, seats},
     volumes::{made, noise},
 };
@@ -149,6 +149,7 @@ fn a_negated_volume_has_the_same_vertices_and_turned_normals() {
     let odd = made([6; 3], |_| 2.0 * odd.below(6) as f32 - 5.0);
     let ways = [
         (Placement::Linear, Gradient::Central),
+        (Placement::Cubic, Gradient::Matching),
         (Placement::Quintic, Gradient::Central),
         (Placement::Quintic, Gradient::Matching),
     ];
@@ -194,8 +195,10 @@ fn a_negated_smooth_shape_is_the_same_surface_seen_from_the_other_side() {
 
 #[test]
 fn negated_chance_is_the_same_trilinear_surface_seen_from_the_other_side() {
-    for seed in 0..20 {
-        let options = ExtractOptions::DEFAULT.with_topology(Topology::Trilinear);
+    let trilinear = ExtractOptions::DEFAULT.with_topology(Topology::Trilinear);
+    for (seed, diagonals) in (0..20).zip([Diagonals::Table, Diagonals::Fitted].into_iter().cycle())
+    {
+        let options = trilinear.clone().with_diagonals(diagonals);
         let [there, back] = both_sides(&noise([6, 7, 5], seed), 0.125, options);
         assert_turned(&there, &back);
     }
@@ -204,7 +207,7 @@ fn negated_chance_is_the_same_trilinear_surface_seen_from_the_other_side() {
 #[test]
 fn chance_times_a_power_of_two_gives_the_same_bytes() {
     let volume = noise([9, 8, 7], 11);
-    for options in modes() {
+    for options in modes_some_fitted() {
         let expected = mesh(&volume.view(), 0.125, &options);
         for power in [-90, -1, 1, 90] {
             let factor = 2_f32.powi(power);

@@ -1,6 +1,6 @@
 //! The options that say what a surface is, and what its normals are made from.
 
-use isokit::marching_cubes::{Boundary, ExtractOptions, Gradient, Placement, Topology};
+use isokit::marching_cubes::{Boundary, Diagonals, ExtractOptions, Gradient, Placement, Topology};
 
 /// Each topology with each maker of vertices and normals, closed and open; vertices are kept apart.
 pub fn modes() -> Vec<ExtractOptions> {
@@ -17,6 +17,17 @@ pub fn modes() -> Vec<ExtractOptions> {
                 let options = options.with_placement(placement).with_gradient(gradient);
                 all.push(options.with_boundary(boundary));
             }
+        }
+    }
+    all
+}
+
+/// The same, where quintics with central normals have fitted diagonals, for which a mesh must have normals.
+pub fn modes_some_fitted() -> Vec<ExtractOptions> {
+    let mut all = modes();
+    for options in &mut all {
+        if (options.placement, options.gradient) == (Placement::Quintic, Gradient::Central) {
+            options.diagonals = Diagonals::Fitted;
         }
     }
     all

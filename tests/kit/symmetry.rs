@@ -2,12 +2,12 @@
 
 use crate::{
     check::{Census, sides_of},
-    modes::modes,
+    modes::modes_some_fitted,
 };
 use isokit::{
     geom::Frame,
     job::Job,
-    marching_cubes::{ExtractOptions, extract_into},
+    marching_cubes::{Diagonals, ExtractOptions, extract_into},
     mesh::{Precision, TriMesh},
     volume::{Grid, Sample, View, Volume},
 };
@@ -200,10 +200,11 @@ impl Common {
         (options, tells_normals): (&ExtractOptions, bool),
     ) -> Self {
         let (view, dims) = (symmetry.copy(volume), volume.grid().dims());
-        let mut mesh = if tells_normals { TriMesh::with_normals() } else { TriMesh::default() };
+        let has_normals = tells_normals || options.diagonals == Diagonals::Fitted;
+        let mut mesh = if has_normals { TriMesh::with_normals() } else { TriMesh::default() };
         extract_into(&view, iso, options, &mut mesh.refill(), &Job::default()).unwrap();
         let places: Vec<_> = mesh.positions.iter().map(|p| symmetry.back(p, dims)).collect();
-        let normals = mesh.normals.as_ref().map(|normals| {
+        let normals = mesh.normals.as_ref().filter(|_| tells_normals).map(|normals| {
             by_edge(&places, &normals.iter().map(|&n| symmetry.turned_back(n)).collect::<Vec<_>>())
         });
         Self {
@@ -219,7 +220,7 @@ impl Common {
 #[track_caller]
 pub fn assert_symmetric<T: Sample>(volume: &Volume<T>, iso: f64, tells_normals: bool) -> usize {
     let mut least = usize::MAX;
-    for options in modes() {
+    for options in modes_some_fitted() {
         let original = Original::of(volume, iso, &options, tells_normals);
         for symmetry in Symmetry::all() {
             original.assert_alike(symmetry);
@@ -233,7 +234,7 @@ pub fn assert_symmetric<T: Sample>(volume: &Volume<T>, iso: f64, tells_normals: 
 /// which, follows from the samples, so that over a list of volumes other copies and modes meet. Normals are not compared.
 #[track_caller]
 pub fn assert_symmetric_in_turn<T: Sample>(volume: &Volume<T>, iso: f64) {
-    let modes = modes();
+    let modes = modes_some_fitted();
     let turns = modes.len() / 2;
     let bits = volume.samples().iter().map(|sample| sample.to_f64().to_bits());
     let first = bits.fold(iso.to_bits(), |sum, bits| sum.rotate_left(5) ^ bits) as usize % turns;
