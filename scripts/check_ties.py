@@ -29,9 +29,6 @@ COUNTERS = ("nonmanifold_edges", "degenerate_triangles")
 
 ENDINGS = ("ply", "stl", "obj", "glb", "gltf")
 
-OPEN = ("--boundary", "open", "--refine", "1", "--balance")
-"""The one way to surfaces that end at the border."""
-
 MODES = (
     (),
     ("--topology", "table", "--placement", "linear"),
@@ -41,7 +38,9 @@ MODES = (
     ("--topology", "trilinear", "--placement", "cubic"),
     ("--max-error", "0.05", "--balance"),
     ("--clip", "middle"),
-    OPEN,
+    ("--boundary", "open"),
+    ("--boundary", "open", "--refine", "1", "--balance"),
+    ("--normals", "matching", "--refine", "2"),
 )
 """As many as have no factor in common with the endings: seeds in a row try every pair.
 
@@ -95,15 +94,16 @@ def faults_of(isokit: Isokit, folder: Path, seed: int) -> list[str]:
     except Failed as failure:
         return [str(failure)]
     surface = report["surfaces"][0]
-    counters = COUNTERS if mode is OPEN else ("boundary_edges", *COUNTERS)
+    is_open = "open" in mode
+    counters = COUNTERS if is_open else ("boundary_edges", *COUNTERS)
     faults = [f"report: {key} {surface[key]}" for key in counters if surface[key] != 0]
     if report["merged_vertices"] != 0:
         faults.append(f"report: {report['merged_vertices']} vertices merged")
     (part,) = parts_of(written)
     if len(part.mesh.faces) != surface["triangles"]:
         faults.append(f"{len(part.mesh.faces)} triangles of {surface['triangles']}")
-    faults += mesh_faults(part.mesh, "as stored", mode is OPEN)
-    return faults + mesh_faults(merged(part.mesh), "merged", mode is OPEN)
+    faults += mesh_faults(part.mesh, "as stored", is_open)
+    return faults + mesh_faults(merged(part.mesh), "merged", is_open)
 
 
 def plane(place: Place | None) -> str:
