@@ -8,6 +8,7 @@ benchmark itself is not run.
 
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +90,10 @@ def figures(tally: Tally) -> None:
     tally.check("grown", "nothing is farther", abs(grown["forward_max"] - 1e-2) < 1e-12)
     tally.check("grown", "normals are right", grown["vertex_angle"] < 1e-6, grown["vertex_angle"])
     tally.check("grown", "it has no fault", grown["faults"] == [], grown["faults"])
+    said = errors(replace(ball(1, 0.7), bound=(1e-3, 2)), field, cloud, SPACING)
+    told = (said["bound"], said["unbounded"])
+    tally.check("bounds", "what its maker says of a mesh stays", told == (1e-3, 2), told)
+    tally.check("bounds", "and is not said of others", "unbounded" not in grown)
     parts = [of_vertices(ball(5, field.radius + off), field, cloud) for off in (1e-2, 3e-2)]
     both = together(parts)["vertex_rms"]
     tally.check("grown", "of two meshes squares are added", abs(both - 5**0.5 * 1e-2) < 1e-12, both)

@@ -46,6 +46,8 @@ DOUBTED = 0.02
 def errors(mesh: Mesh, field: Field, cloud: np.ndarray, spacing: float) -> dict:
     """All figures of one mesh; lengths of the field's cube, angles in degrees."""
     counts = {"vertices": len(mesh.vertices), "triangles": len(mesh.triangles)}
+    if mesh.bound:
+        counts |= {"bound": mesh.bound[0], "unbounded": mesh.bound[1]}
     if not np.isfinite(mesh.vertices).all():
         return counts | {"faults": ["not finite"]}
     found = topology(mesh, spacing, field.closed)

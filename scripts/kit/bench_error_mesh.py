@@ -22,6 +22,8 @@ class Mesh:
     vertices: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray | None = None
+    bound: tuple[float | None, int] | None = None
+    """By how much its maker says that triangles may leave the surface, and how many it says nothing of."""
 
     @classmethod
     def from_samples(

@@ -29,6 +29,10 @@ greatest of that direction comes out too small. *Vertices* is the RMS distance o
 with area. *Order* is the slope of a line through the four finest lattices, as log of error by log
 of h; a noisy slope says little. Surfaces that leave the cube are judged within 80 % of it.
 
+A *bound* is what isokit itself says that its triangles leave the surface by at most, as second
+derivatives tell it, all but those it counts as *without*: where the surface curves within a cell, or
+has a crease. The greatest distance measured is over all.
+
 *Faults*: edges of one triangle (not counted along the border of the cube if the surface leaves it)
 or of more than two, vertices as stored; and components and χ = V - E + F other than those of the
 field, where these are known. Such a mesh is a hollow mark in the plots, and (○) below."""
@@ -103,6 +107,9 @@ def section(run: dict, first: dict) -> list[str]:
         head += f" Its thinnest wall is {run['thickness']:.2g}; with a larger h it is not resolved."
     parts = [f"## {run['field']}", "", f"![{run['field']}]({run['field']}.png)", "", head, ""]
     parts += [f"At {finest}³:", "", *markdown(finest_rows(curves, finest)), ""]
+    bounds = bound_rows(run["points"])
+    if bounds:
+        parts += ["Bounds, where one was asked for:", "", *markdown(bounds), ""]
     parts += ["Order:", "", *markdown(order_rows(curves)), ""]
     rows = time_rows(curves)
     if rows:
@@ -131,6 +138,22 @@ def finest_rows(curves: dict[str, list[dict]], n: int) -> list[dict[str, str]]:
             error = point.get(f"{name}_error")
             row[name] = "" if error is None else f"{100 * error:+.3g} %"
         rows.append(row | {"faults": "; ".join(point["faults"])})
+    return rows
+
+
+def bound_rows(points: list[dict]) -> list[dict[str, str]]:
+    """What a tool said of its meshes' distances beside what they are."""
+    rows = []
+    for point in points:
+        if "unbounded" not in point:
+            continue
+        share = point["unbounded"] / point["triangles"]
+        rows.append({
+            "": f"{point['tool']}, {point['n']}³",
+            "bound": number(point["bound"]),
+            "triangles without": f"{point['unbounded']:,} ({100 * share:.2g} %)",
+            "greatest, mesh to surface": number(point.get("forward_max")),
+        })
     return rows
 
 

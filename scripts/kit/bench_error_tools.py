@@ -105,7 +105,11 @@ class Own:
         """By way of a file of plain arrays."""
         path = out.with_suffix(".bin")
         made = self._ask({"op": "save", "out": str(path), "making": self.making})
-        mesh = from_arrays(path, made["vertices"], made["triangles"], self.volume.dims[0])
+        n = self.volume.dims[0]
+        mesh = from_arrays(path, made["vertices"], made["triangles"], n)
+        if "bound" in made:
+            bound, unbounded = made["bound"]
+            mesh.bound = (None if bound is None else bound * 2 / (n - 1), unbounded)
         path.unlink()
         return mesh
 
