@@ -1,5 +1,5 @@
-//! What a named error says of the triangles, where the surface is no ball: it holds of all triangles but those that are
-//! counted, and these are few.
+//! How far triangles are from a surface that is no ball, beside the bound that is told with a named error: no more are farther
+//! than are counted as having none, and these are few.
 
 use isokit::{
     geom::Affine,
@@ -60,13 +60,12 @@ fn on_smooth_fields_the_bound_holds_of_every_triangle() {
                 let steep = gradient(&field, place);
                 field(place).abs() / steep.iter().map(|c| c * c).sum::<f64>().sqrt()
             };
-            let limit = (1.02 * error + SLACK) * step;
-            assert_eq!(far(&mesh, |place| distance(place) <= limit), 0, "{name}, {error}");
             let bound = found.bound.expect("triangles have one");
             assert!(bound <= error * step && found.unbounded == 0, "{name}, {found:?}");
-            // It is not kept by chance: a quarter of it is not.
-            let quarter = 0.25 * error * step;
-            assert!(far(&mesh, |place| distance(place) <= quarter) > 0, "{name}, {error}");
+            let limit = 1.02 * bound + SLACK * step;
+            assert_eq!(far(&mesh, |place| distance(place) <= limit), 0, "{name}, {error}");
+            // Nor is it much too large.
+            assert!(far(&mesh, |place| distance(place) <= 0.5 * bound) > 0, "{name}, {error}");
         }
     }
 }
@@ -77,16 +76,17 @@ fn height(radius: f64) -> f64 {
     2.0 / PI * (0.25 * rings).asin()
 }
 
-/// How many triangles of a window of that surface, `step` from sample to sample, are farther from it than an error in samples
-/// and the field's own; what is known of them; and how many there are.
+/// Divides a window of that surface, `step` from sample to sample, to an error in samples. How many triangles are farther from it
+/// than the bound and, in samples, the field's own error; what is known of them; and how many there are.
 fn crests(step: f64, error: f64, slack: f64) -> (u64, Refined, u64) {
     let field = fields::marschner_lobb();
     let affine = Affine::axis_aligned([step; 3], [0.5123, 0.3031, -0.168]).unwrap();
     let dims = [0.25, 0.25, 0.34].map(|extent| (extent / step).ceil() as u64 + 1);
     let scan = Scan::new(volumes::placed(&field, dims, affine));
     let (mesh, found) = divided(&scan, 0.5, error * step);
-    assert!(found.bound.is_some_and(|bound| bound <= error * step), "{found:?}");
-    let limit = (1.02 * error + slack) * step;
+    let bound = found.bound.expect("triangles have one");
+    assert!(bound <= error * step, "{found:?}");
+    let limit = 1.02 * bound + slack * step;
     let is_near = |[x, y, z]: [f64; 3]| {
         let radius = x.hypot(y);
         // Straight up, or to a point of the surface around it.

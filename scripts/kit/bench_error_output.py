@@ -29,9 +29,10 @@ greatest of that direction comes out too small. *Vertices* is the RMS distance o
 with area. *Order* is the slope of a line through the four finest lattices, as log of error by log
 of h; a noisy slope says little. Surfaces that leave the cube are judged within 80 % of it.
 
-A *bound* is what isokit itself says that its triangles leave the surface by at most, as second
-derivatives tell it, all but those it counts as *without*: where the surface curves within a cell, or
-has a crease. The greatest distance measured is over all.
+A *bound* is what isokit itself says that triangles leave the surface by at most, before they are
+balanced, as second derivatives tell it; *without* one are those that it counts beside it, at creases
+and where the surface bends within a cell. The greatest distance measured is of all triangles, of
+surfaces that leave the cube within 80 % of it.
 
 *Faults*: edges of one triangle (not counted along the border of the cube if the surface leaves it)
 or of more than two, vertices as stored; and components and χ = V - E + F other than those of the
@@ -145,7 +146,7 @@ def bound_rows(points: list[dict]) -> list[dict[str, str]]:
     """What a tool said of its meshes' distances beside what they are."""
     rows = []
     for point in points:
-        if "unbounded" not in point:
+        if not point.get("unbounded") and not point.get("bound"):
             continue
         share = point["unbounded"] / point["triangles"]
         rows.append({

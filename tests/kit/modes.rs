@@ -22,11 +22,15 @@ pub fn modes() -> Vec<ExtractOptions> {
     all
 }
 
-/// The same, where quintics with central normals have fitted diagonals, for which a mesh must have normals.
+/// The same, where quintics with central normals have fitted diagonals, closed by the table and open by the trilinear
+/// interpolant; a mesh must have normals for that.
 pub fn modes_some_fitted() -> Vec<ExtractOptions> {
     let mut all = modes();
     for options in &mut all {
-        if (options.placement, options.gradient) == (Placement::Quintic, Gradient::Central) {
+        let is_plain =
+            (options.placement, options.gradient) == (Placement::Quintic, Gradient::Central);
+        let is_closed = options.boundary == Boundary::Closed;
+        if is_plain && is_closed == (options.topology == Topology::Table) {
             options.diagonals = Diagonals::Fitted;
         }
     }

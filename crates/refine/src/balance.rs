@@ -15,7 +15,7 @@ mod system;
 use crate::{
     RefineError,
     exact::in_chunks,
-    ground::Ground,
+    ground::{FLATTEST, Ground},
     settle::{Rules, settle},
 };
 use isokit_geom::vector::{Vector, length, normal, sub};
@@ -24,10 +24,6 @@ use isokit_lanes::exactly;
 use isokit_mesh::{Positions, TriMesh};
 use rayon::prelude::*;
 use system::System;
-
-/// A rim that its surface leaves flatter than this, as a cosine, stays: along the border the surface is too
-/// far away.
-const FLATTEST: f64 = 0.25;
 
 /// Balances a mesh whose vertices are on the surface. How many vertices moved, and how many did not though
 /// they are no cap's.

@@ -13,6 +13,9 @@ use isokit_mesh::{Precision, is_degenerate};
 
 use crate::root::root;
 
+/// Where the surface leaves a border flatter than this, as a cosine, it is too far away along the border.
+pub(crate) const FLATTEST: f64 = 0.25;
+
 /// The surface where a field has a value.
 #[derive(Clone, Copy)]
 pub struct Isosurface<'a> {
@@ -141,30 +144,27 @@ impl<'a> Ground<'a> {
         is_spoiled(corners, before) || self.file_scale.is_some() && in_file()
     }
 
-    /// Whether a triangle is flat or turned over; here, or in the file. Turned over is one that does not look where `before` does.
-    /// But a thin triangle may look any way along the surface, and what is made of it better: so it is not if, by the field, it
-    /// looks outward at all corners, and `before` does at one.
-    #[inline]
-    pub(crate) fn is_turned(&self, corners: [Vector; 3], before: Vector) -> bool {
-        let is_turned = |kept: [Vector; 3]| {
-            let is_outward = || self.is_outward(corners, normal(kept), before);
-            is_spoiled(kept, before) && (is_degenerate(kept) || !is_outward())
-        };
-        let in_file = || is_turned(corners.map(|corner| self.in_file(corner)));
-        is_turned(corners) || self.file_scale.is_some() && in_file()
-    }
-
-    /// Whether a way leads out of the surface at all of these places, and another at one.
-    fn is_outward(&self, places: [Vector; 3], way: Vector, other: Vector) -> bool {
-        let mut is_other = false;
-        let is_way = places.into_iter().all(|place| {
-            let spot = self.spot(place);
-            let ascent = self.ascent(self.field().slope(spot.ijk).gradient, [false; 3]);
-            let leads_out = |way| ascent.is_some_and(|ascent| dot(way, ascent.direction) < 0.0);
-            is_other |= leads_out(other);
-            !spot.is_beyond && leads_out(way)
+    /// Whether, by the field, each of some triangles looks outward at all its corners, and what they come of, `before`, did at
+    /// one; and none is flat, here or in the file.
+    pub(crate) fn look_outward(
+        &self,
+        before: Vector,
+        mut triangles: impl Iterator<Item = [Vector; 3]>,
+    ) -> bool {
+        let mut did_before = false;
+        let do_now = triangles.all(|corners| {
+            let kept = [corners, corners.map(|corner| self.in_file(corner))];
+            let is_outward = corners.into_iter().all(|corner| {
+                let spot = self.spot(corner);
+                let ascent = self.ascent(self.field().slope(spot.ijk).gradient, [false; 3]);
+                let Some(ascent) = ascent.filter(|_| !spot.is_beyond) else { return false };
+                let leads_out = |way: Vector| dot(way, ascent.direction) < 0.0;
+                did_before |= leads_out(before);
+                kept.iter().all(|&kept| leads_out(normal(kept)))
+            });
+            is_outward && !kept.into_iter().any(is_degenerate)
         });
-        is_way && is_other
+        do_now && did_before
     }
 
     /// A power of two that is about as long as a cell.
@@ -188,15 +188,14 @@ impl<'a> Ground<'a> {
     /// Whether a point is on no side of a border that it is not held to, not even by rounding.
     #[inline]
     pub(crate) fn is_within(&self, xyz: Vector, held: [bool; 3]) -> bool {
-        let beyond = self.beyond(xyz);
-        (0..3).all(|k| held[k] || !beyond[k])
+        self.beyond(xyz, held) == [false; 3]
     }
 
-    /// Along which axes a point is outside of the volume, be it by rounding.
+    /// Across which borders that it is not held to a point is, be it by rounding.
     #[inline]
-    fn beyond(&self, xyz: Vector) -> [bool; 3] {
+    fn beyond(&self, xyz: Vector, held: [bool; 3]) -> [bool; 3] {
         let ijk = self.spot(xyz).ijk;
-        std::array::from_fn(|k| !(0.0..=self.last[k]).contains(&ijk[k]))
+        std::array::from_fn(|k| !held[k] && !(0.0..=self.last[k]).contains(&ijk[k]))
     }
 
     /// Whether it is a sample or more from every border.
@@ -270,9 +269,39 @@ impl<'a> Ground<'a> {
     }
 
     /// The point of the surface along its gradient from `start`, not farther than `reach` in the world and
-    /// half a cell in index space, and along the borders that are held. Where it would be outside of the volume, one that is as
-    /// near to that border as `start`.
+    /// half a cell in index space, and along the borders that are held.
     pub(crate) fn projected(&self, start: Vector, held: [bool; 3], reach: f64) -> Option<Vector> {
+        let (end, _) = self.foot(start, held, reach)?;
+        self.is_within(end, held).then_some(end)
+    }
+
+    /// The same; but where that point is across a border, the point along the gradient in the plane through `start` that is
+    /// parallel to the border.
+    pub(crate) fn projected_beside_borders(
+        &self,
+        start: Vector,
+        held: [bool; 3],
+        reach: f64,
+    ) -> Option<Vector> {
+        let (mut end, straight) = self.foot(start, held, reach)?;
+        let mut along = held;
+        while !self.is_within(end, along) {
+            let beyond = self.beyond(end, along);
+            along = std::array::from_fn(|k| along[k] || beyond[k]);
+            if along == [true; 3] || !self.is_within(start, held) {
+                return None;
+            }
+            let (next, way) = self.foot(start, along, reach)?;
+            if dot(straight, way) < FLATTEST {
+                return None;
+            }
+            end = next;
+        }
+        Some(end)
+    }
+
+    /// Where the surface is along the gradient, as far as borders are held, be it outside of the volume; and which way it rises.
+    fn foot(&self, start: Vector, held: [bool; 3], reach: f64) -> Option<(Vector, Vector)> {
         let spot = self.spot(start);
         if spot.is_beyond {
             return None;
@@ -285,13 +314,8 @@ impl<'a> Ground<'a> {
             field.value(std::array::from_fn(|k| spot.ijk[k] + t * along[k])) - self.surface.iso
         };
         let t = root(value, ascent.steepness, reach.min(0.5 / most))?;
-        let end: Vector = std::array::from_fn(|k| start[k] + t * ascent.direction[k]);
-        if self.is_within(end, held) {
-            return Some(end);
-        }
-        let beyond = self.beyond(end);
-        let along_more = std::array::from_fn(|k| held[k] || beyond[k]);
-        if self.is_within(start, held) { self.projected(start, along_more, reach) } else { None }
+        let end = std::array::from_fn(|k| start[k] + t * ascent.direction[k]);
+        Some((end, ascent.direction))
     }
 }
 

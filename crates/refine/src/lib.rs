@@ -16,8 +16,8 @@
 //! None changes what is connected: closed stays closed, manifold stays manifold. A triangle that would
 //! become flat or turn over, in the precision in which positions are kept or a file will have them
 //! ([`RefineOptions::file_scale`]), is not made, and no vertex gets to where another one is: such vertices stay where they
-//! were, and are counted. A thin triangle may look along the surface, or a little away from it; when it is divided, what looks
-//! outward by the field is not turned over.
+//! were, and are counted. A triangle may look along the surface, as thin ones do: when it is divided, and all that
+//! comes of it looks outward by the field, that counts as not turned over.
 //!
 //! The result is the same, byte for byte, for any number of threads.
 

@@ -27,8 +27,8 @@ pub struct Refined {
     /// Vertices that are new.
     pub new_vertices: u64,
     /// New vertices that stayed in the middle of their edges, because the field has no surface near it along
-    /// its gradient, or because a triangle would have become flat or turned over, or two vertices met in one place. Those
-    /// on caps along a closed border, which is no surface of the field, are not among them.
+    /// its gradient, or beside the border along that, or because a triangle would have become flat or turned over, or two
+    /// vertices met in one place. Those on caps along a closed border, which is no surface of the field, are not among them.
     pub unprojected: u64,
     /// Edges that were to be divided and are not, each time counted, because a triangle would have become
     /// flat, or two vertices met, even so.
@@ -38,8 +38,8 @@ pub struct Refined {
     /// triangles but the `unbounded`; `None` if it is known of none. It is that of the divided triangles, before
     /// [`RefineOptions::balance`] moves them: that trades the greatest distance for a less mean one.
     pub bound: Option<f64>,
-    /// With [`Subdivision::MaxError`], triangles of which that was not reached or is not known: in noise, next
-    /// to samples without a value, where positions are too coarse, and after ten rounds.
+    /// With [`Subdivision::MaxError`], triangles of which that was not reached or is not known: in noise, where the surface
+    /// bends within a cell, next to samples without a value, where positions are too coarse, and after ten rounds.
     pub unbounded: u64,
     /// Vertices that balance moved along their normals.
     pub balanced: u64,

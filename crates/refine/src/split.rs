@@ -195,24 +195,26 @@ impl<'a> Split<'a> {
         self.outward.is_some()
     }
 
-    /// Whether a triangle that comes of triangle `t` is flat or turned over.
+    /// Whether a triangle that comes of triangle `t` is flat, or turned over: it looks away from where that looks. But a
+    /// triangle may look along the surface, as thin ones do, and what comes of it better: if by the field all of that looks
+    /// outward, none is.
     fn spoils(&self, t: usize, states: &[u8], ground: &Ground<'_>) -> bool {
         if self.is_whole(t, states) {
             return false;
         }
         let before = normal(self.mesh.corners(self.mesh.triangles[t]));
         let (children, count) = self.children(t, states);
-        children[..count].iter().any(|child| {
+        let places = |child: &[Corner; 3]| child.map(|corner| self.place(corner, states));
+        let is_spoiled = children[..count].iter().any(|child| {
             let old = child.iter().find_map(|corner| match corner {
                 Corner::Vertex(vertex) => self.outward?(*vertex),
                 Corner::Edge(_) => None,
             });
-            let corners = child.map(|corner| self.place(corner, states));
-            match old {
-                Some(outward) => ground.is_spoiled(corners, outward),
-                None => ground.is_turned(corners, before),
-            }
-        })
+            ground.is_spoiled(places(child), old.unwrap_or(before))
+        });
+        let look_outward = || ground.look_outward(before, children[..count].iter().map(places));
+        // Along a crease the field does not tell which way a triangle looks.
+        is_spoiled && (self.is_along_creases() || !look_outward())
     }
 }
 
@@ -239,6 +241,7 @@ fn on_surface(mesh: &TriMesh, ends: [u32; 2], ground: &Ground<'_>) -> Option<Vec
     if from.is_beyond || to.is_beyond {
         return None;
     }
-    let place = ground.projected(middle(mesh, ends), from.held_with(&to), reach)?;
+    let (middle, held) = (middle(mesh, ends), from.held_with(&to));
+    let place = ground.projected_beside_borders(middle, held, reach)?;
     Some(rounded(place, mesh))
 }

@@ -12,10 +12,13 @@ use crate::{
     split::middle,
 };
 use isokit_field::{Sampled, ScalarField};
-use isokit_geom::{Affine, Frame, vector::sub};
+use isokit_geom::{
+    Affine, Frame,
+    vector::{dot, normal, sub},
+};
 use isokit_job::Job;
 use isokit_marching_cubes::{Boundary, ExtractOptions, Gradient, Placement, extract};
-use isokit_mesh::TriMesh;
+use isokit_mesh::{Precision, TriMesh};
 use isokit_volume::{Grid, Volume};
 
 /// How far a vertex is off, asked of the field alone.
@@ -143,6 +146,68 @@ fn ties_and_holes_are_divided_as_plainly() {
         check(ties.clone(), dims, 0.1);
         let holes = ties.iter().enumerate().map(|(n, &v)| if n % 41 == 7 { f32::NAN } else { v });
         check(holes.collect(), dims, 0.1);
+    }
+}
+
+/// Of a triangle with all sides cut come four in its place, and each looks where it did, or they look outward by the field.
+#[test]
+fn what_comes_of_a_triangle_does_not_turn_over_but_to_look_outward() {
+    let (job, mut turned) = (Job::default(), 0);
+    for seed in 1..9 {
+        let mut samples = chance(9 * 8 * 7, 3.4, seed);
+        if seed % 2 == 0 {
+            samples.iter_mut().for_each(|sample| *sample = sample.round());
+        }
+        let volume = Volume::new(Grid::new([9, 8, 7], Default::default()).unwrap(), samples);
+        let volume = volume.unwrap();
+        let field = Sampled::new(volume.view());
+        let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+        let before = extract(&volume.view(), 0.0, &ExtractOptions::DEFAULT, &job).unwrap();
+        let ground = Ground::new(surface, before.positions.precision());
+        let mut after = before.clone();
+        let options = RefineOptions::DEFAULT.with_subdivision(Subdivision::Levels(1));
+        let found = refine(&mut after, &surface, &options, &job).unwrap();
+        assert_eq!((found.undivided, after.triangles.len()), (0, 4 * before.triangles.len()));
+        for (old, new) in before.triangles.iter().zip(after.triangles.chunks(4)) {
+            let looked = normal(before.corners(*old));
+            let ways = new.iter().map(|&triangle| after.corners(triangle));
+            let outward = |corners: [[f64; 3]; 3]| {
+                corners.into_iter().all(|place| {
+                    let gradient = field.slope(ground.spot(place).ijk).gradient;
+                    dot(normal(corners), gradient) < 0.0
+                })
+            };
+            if !ways.clone().all(|corners| dot(normal(corners), looked) > 0.0) {
+                turned += 1;
+                assert!(ways.clone().all(outward), "{old:?}, {seed}");
+            }
+        }
+    }
+    assert!(turned > 0, "it shows nothing");
+}
+
+#[test]
+fn where_a_new_vertex_would_be_across_a_border_it_keeps_its_distance_from_that() {
+    // Planes that leave the border z = 0 at an angle whose cosine is `flat`.
+    let planes = [0.1_f32, 0.2, 0.3, 0.6, 0.9].map(|flat| {
+        let steep = (1.0 - flat * flat).sqrt();
+        let samples = sampled([9, 5, 7], |[x, _, z]| flat * (x - 4.0) + steep * z);
+        (flat, Volume::new(Grid::new([9, 5, 7], Default::default()).unwrap(), samples).unwrap())
+    });
+    for (flat, volume) in planes {
+        let field = Sampled::new(volume.view());
+        let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+        let ground = Ground::new(surface, Precision::F64);
+        let (free, start) = ([false; 3], [4.2, 2.3, 0.01]);
+        assert_eq!(ground.projected(start, free, 1.0), None, "{flat}");
+        let beside = ground.projected_beside_borders(start, free, 1.0);
+        if flat < 0.25 {
+            assert_eq!(beside, None, "{flat}: it would be far away");
+            continue;
+        }
+        let beside = beside.expect("the surface is near");
+        assert!(beside[1] == start[1] && beside[2] == start[2], "{flat}: {beside:?}");
+        assert!((field.value(beside)).abs() < 1e-6, "{flat}: {beside:?}");
     }
 }
 
