@@ -12,7 +12,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from kit.bench_error_fields import CENTRE, FIELDS, Smooth, Sphere, length, unit
+from kit.bench_error_fields import (
+    CENTRE,
+    FIELDS,
+    MarschnerLobb,
+    Smooth,
+    Sphere,
+    length,
+    unit,
+)
 from kit.bench_error_measure import (
     CORNERS,
     WEIGHTS,
@@ -75,6 +83,10 @@ def fields(tally: Tally) -> None:
         tally.check(name, "nearest is as far as the value says", np.abs(away - rough).max() < 3e-5)
         again, _ = field.nearest(foot)
         tally.check(name, "the nearest of the nearest is itself", length(again - foot).max() < 1e-9)
+        if isinstance(field, MarschnerLobb):
+            falls = field.slopes(random.uniform(-1, 1, (2000, 3)))[1][:, 2] < 0
+            ends = field.value(np.array([[0.3, -0.8, z] for z in (-1, 1)]))
+            tally.check(name, "it is a height", falls.all() and ends[0] > 0 > ends[1], ends)
         if isinstance(field, Smooth):
             shifts = 1e-5 * np.eye(3)
             pairs = [(field.value(points + s) - field.value(points - s)) / 2e-5 for s in shifts]

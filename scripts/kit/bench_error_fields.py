@@ -38,7 +38,7 @@ class Field(ABC):
     """A function with a surface."""
 
     euler: int | None = None
-    """The surface's V - E + F, where it is closed and known."""
+    """The surface's V - E + F within the cube, where it is known."""
     components: int | None = None
     area: float | None = None
     volume: float | None = None
@@ -303,6 +303,7 @@ class Gyroid(Smooth):
 class MarschnerLobb(Smooth):
     """The test signal of Marschner and Lobb (1994): waves close to what 40³ samples can hold."""
 
+    euler, components = 1, 1  # a height over the square: the value falls along z everywhere
     closed = False
     depth, frequency = 0.25, 6.0
     # The crests of its waves lie flat: errors depend on where slices cut them. Normals beside them
