@@ -96,7 +96,7 @@ fn bring(
         if face.is_some_and(|face| face.height(from).abs() < near) {
             return (face, None);
         }
-        let to = ground.projected(from, ground.spot(from).held(), f64::INFINITY);
+        let to = ground.projected(from, ground.spot(from).held());
         let to = to.map(|to| rounded(to, mesh)).filter(|&to| to != from);
         (face, to.map(|to| (to, Face::near(to, ground))))
     };

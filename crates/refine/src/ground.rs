@@ -154,13 +154,14 @@ impl<'a> Ground<'a> {
         let mut did_before = false;
         let do_now = triangles.all(|corners| {
             let kept = [corners, corners.map(|corner| self.in_file(corner))];
+            let ways = kept.map(normal);
             let is_outward = corners.into_iter().all(|corner| {
                 let spot = self.spot(corner);
                 let ascent = self.ascent(self.field().slope(spot.ijk).gradient, [false; 3]);
                 let Some(ascent) = ascent.filter(|_| !spot.is_beyond) else { return false };
                 let leads_out = |way: Vector| dot(way, ascent.direction) < 0.0;
                 did_before |= leads_out(before);
-                kept.iter().all(|&kept| leads_out(normal(kept)))
+                ways.into_iter().all(leads_out)
             });
             is_outward && !kept.into_iter().any(is_degenerate)
         });
@@ -268,40 +269,49 @@ impl<'a> Ground<'a> {
         rest
     }
 
-    /// The point of the surface along its gradient from `start`, not farther than `reach` in the world and
-    /// half a cell in index space, and along the borders that are held.
-    pub(crate) fn projected(&self, start: Vector, held: [bool; 3], reach: f64) -> Option<Vector> {
-        let (end, _) = self.foot(start, held, reach)?;
+    /// The point of the surface along its gradient from `start`, not farther than half a cell, and along the borders that are
+    /// held.
+    pub(crate) fn projected(&self, start: Vector, held: [bool; 3]) -> Option<Vector> {
+        let (end, _) = self.foot(start, held, (f64::INFINITY, 0.5))?;
         self.is_within(end, held).then_some(end)
     }
 
-    /// The same; but where that point is across a border, the point along the gradient in the plane through `start` that is
-    /// parallel to the border.
+    /// The same, not farther than `reach` in the world and a cell; but where that point is across a border, the point along the
+    /// gradient in the plane through `start` that is parallel to the border. Chords across crests as sharp as a cell leave them
+    /// by more than half of it.
     pub(crate) fn projected_beside_borders(
         &self,
         start: Vector,
         held: [bool; 3],
         reach: f64,
     ) -> Option<Vector> {
-        let (mut end, straight) = self.foot(start, held, reach)?;
+        let (mut end, straight) = self.foot(start, held, (reach, 1.0))?;
         let mut along = held;
-        while !self.is_within(end, along) {
+        loop {
             let beyond = self.beyond(end, along);
+            if beyond == [false; 3] {
+                return Some(end);
+            }
             along = std::array::from_fn(|k| along[k] || beyond[k]);
             if along == [true; 3] || !self.is_within(start, held) {
                 return None;
             }
-            let (next, way) = self.foot(start, along, reach)?;
+            let (next, way) = self.foot(start, along, (reach, 1.0))?;
             if dot(straight, way) < FLATTEST {
                 return None;
             }
             end = next;
         }
-        Some(end)
     }
 
-    /// Where the surface is along the gradient, as far as borders are held, be it outside of the volume; and which way it rises.
-    fn foot(&self, start: Vector, held: [bool; 3], reach: f64) -> Option<(Vector, Vector)> {
+    /// Where the surface is along the gradient, as far as borders are held, be it outside of the volume; and which way it
+    /// rises. Not farther than `reach` in the world, and so many cells along any axis.
+    fn foot(
+        &self,
+        start: Vector,
+        held: [bool; 3],
+        (reach, cells): (f64, f64),
+    ) -> Option<(Vector, Vector)> {
         let spot = self.spot(start);
         if spot.is_beyond {
             return None;
@@ -313,7 +323,7 @@ impl<'a> Ground<'a> {
         let value = |t: f64| {
             field.value(std::array::from_fn(|k| spot.ijk[k] + t * along[k])) - self.surface.iso
         };
-        let t = root(value, ascent.steepness, reach.min(0.5 / most))?;
+        let t = root(value, ascent.steepness, reach.min(cells / most))?;
         let end = std::array::from_fn(|k| start[k] + t * ascent.direction[k]);
         Some((end, ascent.direction))
     }

@@ -199,7 +199,7 @@ fn where_a_new_vertex_would_be_across_a_border_it_keeps_its_distance_from_that()
         let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
         let ground = Ground::new(surface, Precision::F64);
         let (free, start) = ([false; 3], [4.2, 2.3, 0.01]);
-        assert_eq!(ground.projected(start, free, 1.0), None, "{flat}");
+        assert_eq!(ground.projected(start, free), None, "{flat}");
         let beside = ground.projected_beside_borders(start, free, 1.0);
         if flat < 0.25 {
             assert_eq!(beside, None, "{flat}: it would be far away");
@@ -208,6 +208,27 @@ fn where_a_new_vertex_would_be_across_a_border_it_keeps_its_distance_from_that()
         let beside = beside.expect("the surface is near");
         assert!(beside[1] == start[1] && beside[2] == start[2], "{flat}: {beside:?}");
         assert!((field.value(beside)).abs() < 1e-6, "{flat}: {beside:?}");
+    }
+}
+
+#[test]
+fn a_new_vertex_goes_as_far_as_a_cell_and_one_that_a_crease_wants_half_as_far() {
+    let samples = sampled([9, 5, 7], |[x, _, z]| 0.6 * (x - 4.0) + 0.8 * z);
+    let volume = Volume::new(Grid::new([9, 5, 7], Default::default()).unwrap(), samples).unwrap();
+    let field = Sampled::new(volume.view());
+    let surface = Isosurface { field: &field as &dyn ScalarField, iso: 0.0 };
+    let ground = Ground::new(surface, Precision::F64);
+    // So far from the plane, most of it along z.
+    for (away, is_near, is_in_reach) in
+        [(0.6, true, true), (0.65, false, true), (1.3, false, false)]
+    {
+        let start = [4.0 + 0.6 * away, 2.3, 0.8 * away];
+        let found = [
+            ground.projected(start, [false; 3]),
+            ground.projected_beside_borders(start, [false; 3], 9.0),
+        ];
+        assert_eq!(found.map(|end| end.is_some()), [is_near, is_in_reach], "{away}: {found:?}");
+        assert_eq!(ground.projected_beside_borders(start, [false; 3], 0.9 * away), None, "{away}");
     }
 }
 
