@@ -36,7 +36,8 @@ macro_rules! loops {
 
 loops!({
     place_straight(Straight<'_, '_, '_, Self>);
-    load(Loading<'_, '_, '_, Self>);
+    load(Loading<'_, '_, '_, Self, f64>);
+    load_rounded(Loading<'_, '_, '_, Self, f32>);
     turn(Normals<'_, '_, '_, Self>);
     look(Look<'_, '_, Self>);
     look_cubic(CubicLook<'_, '_, Self, false>);

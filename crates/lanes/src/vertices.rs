@@ -4,8 +4,9 @@
 //! that is arithmetic on all sixteen. There is one text for all levels, no fused multiply-add and no
 //! estimate of a reciprocal, so the bits are the same; `wide.rs` of the crate has what the text is written in.
 //!
-//! Positions are f64 until they are whole. Normals come out as f32 and are made in f32, from differences
-//! of samples that are rounded once; they are right to a few units of their last place.
+//! Positions are f64 until they are whole; but where curves are crossed is found in the type of the coordinates
+//! (`curves/line.rs`). Normals come out as f32 and are made in f32, from differences of samples that are rounded once; they
+//! are right to a few units of their last place.
 //!
 //! The arithmetic knows only finite values. Edges where something is not finite, or where the gradient
 //! vanishes or is too large or small to square, are called odd, and the caller places them one by one.
@@ -98,6 +99,9 @@ pub struct Kernel<'b, 'a, T> {
     starts: Option<[f64; 3]>,
     /// Stored samples are not their values.
     is_scaled: bool,
+    /// The isovalue, if it is an f32 and values are samples that f32 holds: then to subtract it in f32 gives the same bits
+    /// as to do so in f64 and to round (Figueroa 1995).
+    narrow_iso: Option<f32>,
     edges: &'b Edges,
 }
 
@@ -144,7 +148,10 @@ impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
         // By one and nothing they are the same, but for the sign of 0, which does not matter.
         let is_scaled = field.slope != 1.0 || field.intercept != 0.0;
         let (directions, starts) = (field.directions(), field.starts());
-        Self { samples, field, directions, starts, is_scaled, edges }
+        let narrow_iso = field.iso as f32;
+        let is_narrow = !is_scaled && f64::from(narrow_iso) == field.iso && T::Exact::IS_F32;
+        let narrow_iso = is_narrow.then_some(narrow_iso);
+        Self { samples, field, directions, starts, is_scaled, narrow_iso, edges }
     }
 
     /// The vertices of the batch that begins with edge `first`; the bits of those that are odd.

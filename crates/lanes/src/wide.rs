@@ -79,6 +79,9 @@ pub trait Wide: Copy {
     /// A choice of the sixteen.
     type Mask: Mask;
 
+    /// Words from sixteen places are loaded by one instruction as quickly as that can be.
+    fn is_gather_quick(self) -> bool;
+
     fn u32(self, number: u32) -> Self::U32;
 
     fn f32(self, number: f32) -> Self::F32;
@@ -252,6 +255,9 @@ pub trait Float:
 
 /// A type that holds every sample of another exactly: f32 or f64.
 pub trait Exact: Copy + Default + Into<f64> {
+    /// It is f32.
+    const IS_F32: bool;
+
     /// Sixteen of them.
     type Of<W: Wide>: Float<Mask = W::Mask>;
 
@@ -264,8 +270,13 @@ pub trait Exact: Copy + Default + Into<f64> {
     /// Rounded to the nearest.
     fn to_f32<W: Wide>(wide: W, numbers: Self::Of<W>) -> W::F32;
 
-    /// Sixteen times the same number.
-    fn splat<W: Wide>(wide: W, number: f32) -> Self::Of<W>;
+    /// Rounded to the nearest.
+    fn from_f64<W: Wide>(wide: W, numbers: W::F64) -> Self::Of<W>;
+
+    fn from_f32<W: Wide>(wide: W, numbers: W::F32) -> Self::Of<W>;
+
+    /// Sixteen times the same number, rounded to the nearest.
+    fn splat<W: Wide>(wide: W, number: f64) -> Self::Of<W>;
 
     /// The first where chosen, else the second.
     fn select<W: Wide>(wide: W, mask: W::Mask, a: Self::Of<W>, b: Self::Of<W>) -> Self::Of<W>;
@@ -275,6 +286,8 @@ pub trait Exact: Copy + Default + Into<f64> {
 }
 
 impl Exact for f32 {
+    const IS_F32: bool = true;
+
     type Of<W: Wide> = W::F32;
 
     #[inline(always)]
@@ -298,8 +311,18 @@ impl Exact for f32 {
     }
 
     #[inline(always)]
-    fn splat<W: Wide>(wide: W, number: f32) -> W::F32 {
-        wide.f32(number)
+    fn from_f64<W: Wide>(wide: W, numbers: W::F64) -> W::F32 {
+        wide.f64_to_f32(numbers)
+    }
+
+    #[inline(always)]
+    fn from_f32<W: Wide>(_: W, numbers: W::F32) -> W::F32 {
+        numbers
+    }
+
+    #[inline(always)]
+    fn splat<W: Wide>(wide: W, number: f64) -> W::F32 {
+        wide.f32(number as f32)
     }
 
     #[inline(always)]
@@ -314,6 +337,8 @@ impl Exact for f32 {
 }
 
 impl Exact for f64 {
+    const IS_F32: bool = false;
+
     type Of<W: Wide> = W::F64;
 
     #[inline(always)]
@@ -337,8 +362,18 @@ impl Exact for f64 {
     }
 
     #[inline(always)]
-    fn splat<W: Wide>(wide: W, number: f32) -> W::F64 {
-        wide.f64(number.into())
+    fn from_f64<W: Wide>(_: W, numbers: W::F64) -> W::F64 {
+        numbers
+    }
+
+    #[inline(always)]
+    fn from_f32<W: Wide>(wide: W, numbers: W::F32) -> W::F64 {
+        wide.f32_to_f64(numbers)
+    }
+
+    #[inline(always)]
+    fn splat<W: Wide>(wide: W, number: f64) -> W::F64 {
+        wide.f64(number)
     }
 
     #[inline(always)]

@@ -6,7 +6,8 @@
 //! Everything is f64 until the position is whole; then it is rounded once.
 //!
 //! [`Placement::Cubic`] and [`Placement::Quintic`] look at more samples on the line of the edge
-//! (`curved`), and cross the polynomial through them (`curve`), where that is fit to be crossed. Elsewhere a vertex is
+//! (`curved`), and cross the polynomial through them (`curve`), where that is fit to be crossed: for coordinates of f32 in
+//! f32, to a part of the edge that those tell apart only near the origin. Elsewhere a vertex is
 //! that of linear interpolation. Normals are made from central differences at both ends of the edge, or, of
 //! [`Gradient::Matching`], from those of the curve's order, which need no more than finite samples.
 
@@ -110,7 +111,7 @@ impl<'a, T: Sample> Placer<'a, T> {
                 }
                 continue;
             }
-            let cut = self.cut_as_placed(axis, low);
+            let cut = self.cut_as_placed::<C>(axis, low);
             positions[n] = self.position(&cut);
             if let Some(normals) = &mut normals {
                 normals[n] = self.normal(&cut);
@@ -166,12 +167,14 @@ impl<'a, T: Sample> Placer<'a, T> {
         Cut { axis, low: place, ends, values, delta }
     }
 
-    /// The cut of that edge where the placement has it.
-    fn cut_as_placed(&self, axis: usize, low: [u32; 3]) -> Cut {
+    /// The cut of that edge where the placement has it, for coordinates of a type.
+    fn cut_as_placed<C: Coordinate>(&self, axis: usize, low: [u32; 3]) -> Cut {
         let straight = self.cut(axis, low);
         match self.placement {
             Placement::Linear => straight,
-            Placement::Cubic | Placement::Quintic => self.curved(&straight).unwrap_or(straight),
+            Placement::Cubic | Placement::Quintic => {
+                self.curved::<C>(&straight).unwrap_or(straight)
+            }
         }
     }
 
@@ -185,7 +188,7 @@ impl<'a, T: Sample> Placer<'a, T> {
     /// Where the edge along `axis` from `low` is crossed, in edge lengths from there. The ends are numbered
     /// as those of [`Edges`].
     pub(crate) fn crossing(&self, axis: usize, low: [u32; 3]) -> f64 {
-        0.5 + self.cut_as_placed(axis, low).delta
+        0.5 + self.cut_as_placed::<f64>(axis, low).delta
     }
 
     /// A place in world space, in cell sizes from `low`, which may be a wrapped −1.

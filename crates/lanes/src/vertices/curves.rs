@@ -1,7 +1,7 @@
 //! Where edges are crossed by cubics or quintics, 16 edges at a time.
 //!
-//! Loops take turns over some batches at a time: one loads the samples on the lines of the edges, and what central
-//! normals are made from (`curves/load.rs`), the second finds roots (`roots.rs`), the third makes places, and a fourth
+//! Loops take turns over some batches at a time: one loads the samples on the lines of the edges (`curves/load.rs`; one by
+//! one, `curves/singly.rs`), and what central normals are made from, the second finds roots (`roots.rs`), the third makes places, and a fourth
 //! normals (`normals.rs`), if they are wanted. Each is short, so that the machine works at several batches at once while
 //! one waits, and only the first and the last are compiled for each type of sample.
 //!
@@ -12,7 +12,7 @@
 use super::{
     Field, Kernel, Places, Vertices,
     normals::{Normals, Source},
-    roots::{Roots, Search, find_roots},
+    roots::{Roots, Search},
 };
 use crate::{
     Coordinate, Edges, Lane, Level, Samples,
@@ -20,13 +20,17 @@ use crate::{
 };
 
 mod beyond;
+mod line;
 mod load;
+mod singly;
 #[cfg(test)]
 mod tests;
 
 pub use beyond::ONE_BEFORE;
+pub(super) use line::{Crossing, Held, Line};
 pub(super) use load::Differences;
 pub use load::Loading;
+use singly::Singly;
 
 /// Batches that are worked at in turn: what is known of them stays in the first cache.
 pub(super) const TURN: usize = 8;
@@ -102,46 +106,47 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
     let Vertices { positions, mut normals, odd } = out;
     let kernel = Kernel::new(samples, field, edges);
     let pairs = curve.pairs();
-    let mut lines = [const { Line::DEFAULT }; TURN];
+    let mut lines = [const { Line::<C>::DEFAULT }; TURN];
+    let mut crossings = [const { Crossing::DEFAULT }; TURN];
+    let mut singly = Singly::new();
     let mut searches = [const { Search::DEFAULT }; TURN];
     let mut source = normals.as_ref().map(|_| Source::new(gradient, samples.strides(), pairs));
     for (turn, positions) in positions.chunks_mut(TURN * BATCH).enumerate() {
         let (first, count) = (turn * TURN * BATCH, positions.len());
         let batches = count.div_ceil(BATCH);
-        let (held, differences) =
-            (&mut lines[..batches], source.as_mut().and_then(Source::differences));
-        let kernel = &kernel;
-        T::load(level, Loading { kernel, first, pairs, lines: held, differences });
-        let with_odd = |(_, line): &(usize, &mut Line)| line.is_odd != 0;
-        for (number, line) in lines[..batches].iter_mut().enumerate().filter(with_odd) {
+        let (kernel, differences) = (&kernel, source.as_mut().and_then(Source::differences));
+        let (lines, crossings) = (&mut lines[..batches], &mut crossings[..batches]);
+        let (to, singly) = ((&mut *lines, &mut *crossings), &mut singly);
+        C::load_lines(level, Loading { kernel, first, pairs, to, differences, singly });
+        for (number, crossing) in crossings.iter_mut().enumerate().filter(|(_, c)| c.is_odd != 0) {
             let at = number * BATCH;
-            for n in set_bits(line.is_odd, count - at) {
+            for n in set_bits(crossing.is_odd, count - at) {
                 let values = &mut [0.0; MOST][..2 * pairs];
                 if one_by_one.line(first + at + n, values) {
-                    line.is_odd ^= 1 << n;
-                    line.values.iter_mut().zip(values).for_each(|(to, value)| to[n] = *value);
+                    crossing.is_odd ^= 1 << n;
+                    let to = lines[number].values.iter_mut();
+                    to.zip(values).for_each(|(to, value)| to[n] = C::round(*value));
                 }
             }
         }
-        let held = &mut lines[..batches];
-        let searches = &mut searches[..];
-        find_roots(level, Roots { lines: held, searches, pairs, reach: field.reach });
-        let lines = &lines[..batches];
+        let (held, searches) = ((lines, &mut *crossings), &mut searches[..]);
+        C::find_roots(level, Roots { held, searches, pairs, reach: field.reach });
+        let crossings = &*crossings;
         let (starts, positions) = (kernel.starts, C::places(positions));
-        place(level, Placing { field, starts, edges, first, lines, positions });
-        for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.is_odd != 0) {
+        place(level, Placing { field, starts, edges, first, crossings, positions });
+        for (number, crossing) in crossings.iter().enumerate().filter(|(_, c)| c.is_odd != 0) {
             let at = first + number * BATCH;
-            odd.extend(set_bits(line.is_odd, edges.len() - at).map(|n| (at + n) as u32));
+            odd.extend(set_bits(crossing.is_odd, edges.len() - at).map(|n| (at + n) as u32));
         }
         let (Some(normals), Some(source)) = (&mut normals, &mut source) else { continue };
         let normals = &mut normals[first..first + count];
         let mut left = [0; TURN];
         let to = (&mut *normals, &mut left[..]);
-        T::turn(level, Normals { kernel, first, source, lines, to });
-        for (number, line) in lines.iter().enumerate() {
+        T::turn(level, Normals { kernel, first, source, crossings, to });
+        for (number, crossing) in crossings.iter().enumerate() {
             let at = number * BATCH;
-            for n in set_bits(left[number] & !line.is_odd, count - at) {
-                normals[at + n] = one_by_one.normal(first + at + n, line.delta[n]);
+            for n in set_bits(left[number] & !crossing.is_odd, count - at) {
+                normals[at + n] = one_by_one.normal(first + at + n, crossing.delta[n]);
             }
         }
     }
@@ -158,29 +163,13 @@ pub(super) fn set_bits(mut bits: u16, count: usize) -> impl Iterator<Item = usiz
     })
 }
 
-/// What is known of a batch of edges.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-pub(super) struct Line {
-    /// The samples on the line of each edge, less the isovalue, as many as the curve goes through.
-    pub(super) values: [[f64; BATCH]; MOST],
-    /// Where each is crossed, in edge lengths from its middle.
-    pub(super) delta: [f64; BATCH],
-    /// Which are odd.
-    pub(super) is_odd: u16,
-}
-
-impl Line {
-    const DEFAULT: Self = Self { values: [[0.0; BATCH]; MOST], delta: [0.0; BATCH], is_odd: 0 };
-}
-
 /// Makes the places of the batches from edge `first` on.
 struct Placing<'l> {
     field: &'l Field,
     starts: Option<[f64; 3]>,
     edges: &'l Edges,
     first: usize,
-    lines: &'l [Line],
+    crossings: &'l [Crossing],
     positions: Places<'l>,
 }
 
@@ -193,10 +182,10 @@ impl Task for Placing<'_> {
     #[inline(always)]
     fn run<W: Wide>(mut self, wide: W) {
         let z = wide.u32(self.edges.z());
-        for (number, line) in self.lines.iter().enumerate() {
+        for (number, crossing) in self.crossings.iter().enumerate() {
             let [axis, x, y] = self.edges.batch(self.first + number * BATCH);
             let low = [wide.load(x), wide.load(y), z];
-            let delta = wide.load_f64(&line.delta);
+            let delta = wide.load_f64(&crossing.delta);
             let places = self.field.places(wide, self.starts, wide.load(axis), low, delta);
             self.positions.write(wide, number * BATCH, places);
         }

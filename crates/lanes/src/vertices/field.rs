@@ -5,9 +5,23 @@ use crate::{
     prefetch::prefetch_beyond,
     wide::{BATCH, Wide},
 };
+use std::ops::{Add, Mul, Sub};
 
 /// A type of coordinate in the output: `f32` or `f64`.
-pub trait Coordinate: Copy + Default + Send + sealed::Room {
+pub trait Coordinate:
+    Copy
+    + Default
+    + Send
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Into<f64>
+    + sealed::Room
+{
+    /// It is f64.
+    const IS_DOUBLE: bool;
+
     /// The coordinate nearest to a value.
     fn round(value: f64) -> Self;
 
@@ -20,14 +34,17 @@ pub trait Coordinate: Copy + Default + Send + sealed::Room {
 
 mod sealed {
     use super::Places;
+    use crate::vertices::curves::Held;
 
-    pub trait Room: Sized {
+    pub trait Room: Held {
         /// The room, whatever the type.
         fn places(room: &mut [[Self; 3]]) -> Places<'_>;
     }
 }
 
 impl Coordinate for f32 {
+    const IS_DOUBLE: bool = false;
+
     #[inline(always)]
     fn round(value: f64) -> Self {
         value as f32
@@ -51,6 +68,8 @@ impl sealed::Room for f32 {
 }
 
 impl Coordinate for f64 {
+    const IS_DOUBLE: bool = true;
+
     #[inline(always)]
     fn round(value: f64) -> Self {
         value

@@ -5,7 +5,7 @@
 
 use super::{
     AHEAD, Kernel,
-    curves::{Differences, Gradient, Line, TURN},
+    curves::{Crossing, Differences, Gradient, TURN},
 };
 use crate::{
     Lane,
@@ -24,7 +24,7 @@ pub struct Normals<'l, 'b, 'a, T> {
     pub(super) kernel: &'l Kernel<'b, 'a, T>,
     pub(super) first: usize,
     pub(super) source: &'l mut Source<T>,
-    pub(super) lines: &'l [Line],
+    pub(super) crossings: &'l [Crossing],
     /// Where normals go, and the bits of those that are left, by batches.
     pub(super) to: (&'l mut [[f32; 3]], &'l mut [u16]),
 }
@@ -62,21 +62,21 @@ impl<T: Lane> Source<T> {
 impl<T: Lane> Task for Normals<'_, '_, '_, T> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
-        let Self { kernel, first, source, lines, to: (normals, left) } = self;
+        let Self { kernel, first, source, crossings, to: (normals, left) } = self;
         let (whole, rest) = normals.as_chunks_mut();
         // The last batch may have less room than it has numbers.
         let mut last = [[0.0; 3]; BATCH];
         let mut room = Room { whole, last: &mut last };
         match source {
             Source::Central(differences) => {
-                for (number, (line, left)) in lines.iter().zip(left).enumerate() {
+                for (number, (crossing, left)) in crossings.iter().zip(left).enumerate() {
                     let (around, normals) = (differences[number].load(wide), room.of(number));
-                    let share = wide.f64_to_f32(wide.f64(0.5) + wide.load_f64(&line.delta));
+                    let share = wide.f64_to_f32(wide.f64(0.5) + wide.load_f64(&crossing.delta));
                     *left = kernel.write_normals(wide, around, share, normals);
                 }
             }
             Source::Matching(copies) => {
-                let batches = (first, lines, left);
+                let batches = (first, crossings, left);
                 match copies.pairs() {
                     2 => kernel.turn::<W, 2, 6, 30>(wide, batches, copies, room),
                     _ => kernel.turn::<W, 3, 8, 56>(wide, batches, copies, room),

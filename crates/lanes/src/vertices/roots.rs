@@ -9,11 +9,11 @@
 //! Each operation needs what the one before gives. So the way is taken in stages, each by several batches in turn:
 //! a stage is short enough for the machine to work at some batches at once.
 
-use super::curves::Line;
-use crate::{
-    Level,
-    wide::{BATCH, Float, Mask, Task, Wide, run_at},
+use super::{
+    Coordinate,
+    curves::{Crossing, Line},
 };
+use crate::wide::{BATCH, Float, Mask, Task, Wide};
 use std::ops::Range;
 
 /// The rises of which no f32 that counts overflows or loses a digit: 2⁻⁶⁰ to 2⁶⁰.
@@ -22,21 +22,22 @@ const TAME: Range<f32> = 8.673_617_4e-19..1.152_921_5e18;
 /// If the correction is so small, a root is found.
 const SMALL: f64 = 1.0 / (1_u64 << 21) as f64;
 
+/// Where no correction follows, the last step is so short, and so little of it is due to the bend.
+const SHORT: f32 = 1.0 / 128.0;
+
+/// And the slope is no less, over the rise.
+const STEEP: f32 = 1.0 / 32.0;
+
 /// Finds where lines are crossed, as far as `reach` from the middle of their edges. The values are used up.
-pub(super) struct Roots<'a> {
-    pub(super) lines: &'a mut [Line],
+pub struct Roots<'a, C> {
+    pub(super) held: (&'a mut [Line<C>], &'a mut [Crossing]),
     pub(super) searches: &'a mut [Search],
     /// Pairs of samples on a line, 2 or 3.
     pub(super) pairs: usize,
     pub(super) reach: f64,
 }
 
-/// Does the task with the instructions of a level, compiled here and not anew wherever edges are placed.
-pub(super) fn find_roots(level: Level, roots: Roots<'_>) {
-    run_at(level, roots);
-}
-
-impl Task for Roots<'_> {
+impl<C: Coordinate> Task for Roots<'_, C> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
         match self.pairs {
@@ -46,27 +47,27 @@ impl Task for Roots<'_> {
     }
 }
 
-impl Roots<'_> {
+impl<C: Coordinate> Roots<'_, C> {
     #[inline(always)]
     fn find<W: Wide, const PAIRS: usize>(self, wide: W) {
-        for (line, search) in self.lines.iter_mut().zip(self.searches.iter_mut()) {
-            search.begin::<W, PAIRS>(wide, line);
+        let (lines, crossings) = self.held;
+        let searches = &mut self.searches[..lines.len()];
+        for (line, search) in lines.iter_mut().zip(&mut *searches) {
+            search.begin::<W, C, PAIRS>(wide, line);
         }
-        for (line, search) in self.lines.iter_mut().zip(self.searches.iter_mut()) {
-            search.first_step::<W, PAIRS>(wide, line);
+        for (line, search) in lines.iter_mut().zip(&mut *searches) {
+            search.first_step::<W, C, PAIRS>(wide, line);
         }
-        for search in self.searches[..self.lines.len()].iter_mut() {
+        for search in &mut *searches {
             search.step::<W, PAIRS>(wide);
         }
-        for search in self.searches[..self.lines.len()].iter_mut() {
-            search.last_step::<W, PAIRS>(wide);
-        }
-        let (least, most) = (wide.f64(-self.reach), wide.f64(self.reach));
-        for (line, search) in self.lines.iter_mut().zip(self.searches.iter()) {
-            let root = search.corrected::<W, PAIRS>(wide, line);
+        C::finish::<W, PAIRS>(wide, (lines, searches), crossings);
+        if self.reach < 0.5 {
             // Within half an edge they are already.
-            let root = if self.reach < 0.5 { root.max(least).min(most) } else { root };
-            wide.store_f64(root, &mut line.delta);
+            let (least, most) = (wide.f64(-self.reach), wide.f64(self.reach));
+            for Crossing { delta, .. } in crossings {
+                wide.store_f64(wide.load_f64(delta).max(least).min(most), delta);
+            }
         }
     }
 }
@@ -75,7 +76,7 @@ impl Roots<'_> {
 /// far the search is.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Search {
+pub struct Search {
     fall: [f32; BATCH],
     c: [[f32; BATCH]; 5],
     /// One over the rise; NaN where that is not tame.
@@ -104,31 +105,32 @@ impl Search {
     /// Takes the values of lines, and leaves in their place the sums of the ends, the rises, and the even and the
     /// odd parts times the rises. The search gets the curves, and begins where straight lines are crossed.
     #[inline(always)]
-    fn begin<W: Wide, const PAIRS: usize>(&mut self, wide: W, line: &mut Line) {
-        let (zero, half) = (wide.f64(0.0), wide.f64(0.5));
-        let a = wide.load_f64(&line.values[PAIRS - 1]);
-        let b = wide.load_f64(&line.values[PAIRS]);
+    fn begin<W: Wide, C: Coordinate, const PAIRS: usize>(&mut self, wide: W, line: &mut Line<C>) {
+        let number = |number: f64| C::splat(wide, number);
+        let (zero, half) = (number(0.0), number(0.5));
+        let a = C::load(wide, &line.values[PAIRS - 1]);
+        let b = C::load(wide, &line.values[PAIRS]);
         let (sum, rise) = (a + b, b - a);
         let is_end = !(a * b).less(zero);
-        let below = wide.load_f64(&line.values[PAIRS - 2]);
-        let above = wide.load_f64(&line.values[PAIRS + 1]);
+        let below = C::load(wide, &line.values[PAIRS - 2]);
+        let above = C::load(wide, &line.values[PAIRS + 1]);
         let even = below + above;
-        let odd = (above - below) * wide.f64(1.0 / 3.0);
+        let odd = (above - below) * number(1.0 / 3.0);
         let (a, b) = (even - sum, odd - rise);
-        let mut parts = [a * wide.f64(0.25), b * half, zero, zero];
+        let mut parts = [a * number(0.25), b * half, zero, zero];
         if PAIRS == 3 {
-            let below = wide.load_f64(&line.values[0]);
-            let above = wide.load_f64(&line.values[2 * PAIRS - 1]);
+            let below = C::load(wide, &line.values[0]);
+            let above = C::load(wide, &line.values[2 * PAIRS - 1]);
             let a_u = ((below + above) - even) * half - a;
-            let b_u = ((above - below) * wide.f64(1.0 / 5.0) - odd) * half - b;
-            parts[2] = a_u * wide.f64(1.0 / 24.0);
-            parts[3] = b_u * wide.f64(1.0 / 12.0);
+            let b_u = ((above - below) * number(1.0 / 5.0) - odd) * half - b;
+            parts[2] = a_u * number(1.0 / 24.0);
+            parts[3] = b_u * number(1.0 / 12.0);
         }
-        let narrow_rise = wide.f64_to_f32(rise);
+        let narrow_rise = C::to_f32(wide, rise);
         let size = narrow_rise.abs();
         let is_tame = size.less(wide.f32(TAME.end)) & !size.less(wide.f32(TAME.start));
         let scale = wide.select_f32(is_tame, wide.f32(1.0) / narrow_rise, wide.f32(f32::NAN));
-        let straight = wide.f64_to_f32(sum) * scale * wide.f32(-0.5);
+        let straight = C::to_f32(wide, sum) * scale * wide.f32(-0.5);
         let is_end = is_end & is_tame;
         self.is_end = is_end.bits();
         if self.is_end != 0 {
@@ -139,29 +141,36 @@ impl Search {
         }
         let mut narrow = [straight; 4];
         for n in 0..2 * PAIRS - 2 {
-            narrow[n] = wide.f64_to_f32(parts[n]) * scale;
+            narrow[n] = C::to_f32(wide, parts[n]) * scale;
         }
-        let [even, odd, even_u, odd_u] = parts;
-        let held = [sum, rise, even, odd, even_u, odd_u];
-        for (part, to) in held.into_iter().zip(&mut line.values[..2 * PAIRS]) {
-            wide.store_f64(part, to);
+        if C::IS_DOUBLE {
+            let [even, odd, even_u, odd_u] = parts;
+            let held = [sum, rise, even, odd, even_u, odd_u];
+            for (part, to) in held.into_iter().zip(&mut line.values[..2 * PAIRS]) {
+                C::store(wide, part, to);
+            }
+            wide.store_f32(scale, &mut self.scale);
         }
         self.keep::<W, PAIRS>(wide, Curves::new::<PAIRS>(wide, straight, narrow));
-        wide.store_f32(scale, &mut self.scale);
         wide.store_f32(straight, &mut self.s);
     }
 
     /// From where straight lines are crossed to where parabolas are. Curves that are not plain become straight.
     #[inline(always)]
-    fn first_step<W: Wide, const PAIRS: usize>(&mut self, wide: W, line: &mut Line) {
+    fn first_step<W: Wide, C: Coordinate, const PAIRS: usize>(
+        &mut self,
+        wide: W,
+        line: &mut Line<C>,
+    ) {
         let mut curves = self.curves::<W, PAIRS>(wide);
         let is_plain = curves.is_plain::<PAIRS>(wide);
         if is_plain.bits() != u16::MAX {
             let straight = wide.load_f32(&self.s);
             curves = curves.straightened::<PAIRS>(wide, is_plain, straight);
-            for part in &mut line.values[2..2 * PAIRS] {
-                let kept = wide.select_f64(is_plain, wide.load_f64(part), wide.f64(0.0));
-                wide.store_f64(kept, part);
+            let parts = if C::IS_DOUBLE { &mut line.values[2..2 * PAIRS] } else { &mut [] };
+            for part in parts {
+                let (own, none) = (C::load(wide, part), C::splat(wide, 0.0));
+                C::store(wide, C::select(wide, is_plain, own, none), part);
             }
             self.keep::<W, PAIRS>(wide, curves);
         }
@@ -197,7 +206,7 @@ impl Search {
 
     /// Another, and one over the slope where it ends.
     #[inline(always)]
-    fn last_step<W: Wide, const PAIRS: usize>(&mut self, wide: W) {
+    pub(super) fn last_step<W: Wide, const PAIRS: usize>(&mut self, wide: W) {
         let factor = self.step::<W, PAIRS>(wide);
         let s = wide.load_f32(&self.s);
         let [_, slope, _] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
@@ -207,9 +216,28 @@ impl Search {
         wide.store_f32(wide.select_f32(is_good, one / slope, wide.f32(f32::NAN)), &mut self.factor);
     }
 
-    /// The roots. Those that have yet to be found are called odd.
+    /// Another step of Halley's, to the roots. Those that have yet to be found are called odd.
     #[inline(always)]
-    fn corrected<W: Wide, const PAIRS: usize>(&self, wide: W, line: &mut Line) -> W::F64 {
+    pub(super) fn step_to<W: Wide, const PAIRS: usize>(&self, wide: W, crossing: &mut Crossing) {
+        let s = wide.load_f32(&self.s);
+        let [value, slope, bend] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
+        let (steep, pull, short) = (slope * slope, value * bend, wide.f32(SHORT));
+        let step = value * (slope / (steep - pull));
+        let s = s - step;
+        // What is left falls with the cube of the step, and with the square of how much it turned.
+        let is_short = step.abs().less(short) & pull.abs().less(short * steep);
+        let is_found = is_short & wide.f32(STEEP).less(slope) & !wide.f32(0.5).less(s.abs());
+        self.end(wide, wide.f32_to_f64(s), is_found, crossing);
+    }
+
+    /// From roots in f32 to those of what is held in place of the values on lines.
+    #[inline(always)]
+    pub(super) fn correct<W: Wide, const PAIRS: usize>(
+        &self,
+        wide: W,
+        line: &Line<f64>,
+        crossing: &mut Crossing,
+    ) {
         let half = wide.f64(0.5);
         let mut held = [half; 6];
         for (held, from) in held.iter_mut().zip(&line.values[..2 * PAIRS]) {
@@ -228,14 +256,19 @@ impl Search {
         let step = value * wide.f32_to_f64(factor);
         let s = s - step;
         let is_found = step.abs().less(wide.f64(SMALL)) & !half.less(s.abs());
-        line.is_odd |= !(self.is_end | is_found.bits());
-        if self.is_end == 0 {
-            return s;
+        self.end(wide, s, is_found, crossing);
+    }
+
+    /// Where an end is the isovalue there was nothing to search: that is the root.
+    #[inline(always)]
+    fn end<W: Wide>(&self, wide: W, mut s: W::F64, is_found: W::Mask, crossing: &mut Crossing) {
+        crossing.is_odd |= !(self.is_end | is_found.bits());
+        if self.is_end != 0 {
+            let [least, most] = &self.between;
+            let (least, most) = (wide.load_f32(least), wide.load_f32(most));
+            s = s.max(wide.f32_to_f64(least)).min(wide.f32_to_f64(most));
         }
-        // Where an end is the isovalue there is nothing to search.
-        let [least, most] = &self.between;
-        let least = wide.f32_to_f64(wide.load_f32(least));
-        s.max(least).min(wide.f32_to_f64(wide.load_f32(most)))
+        wide.store_f64(s, &mut crossing.delta);
     }
 }
 

@@ -50,6 +50,11 @@ impl Wide for Avx2 {
     type Mask = Choice;
 
     #[inline(always)]
+    fn is_gather_quick(self) -> bool {
+        false
+    }
+
+    #[inline(always)]
     fn u32(self, number: u32) -> U32 {
         // SAFETY: there is a token; so in all that follows.
         U32([unsafe { _mm256_set1_epi32(number as i32) }; 2])

@@ -44,6 +44,11 @@ impl Wide for Avx512 {
     type Mask = u16;
 
     #[inline(always)]
+    fn is_gather_quick(self) -> bool {
+        self.gathers
+    }
+
+    #[inline(always)]
     fn u32(self, number: u32) -> U32 {
         // SAFETY: there is a token; so in all that follows.
         U32(unsafe { _mm512_set1_epi32(number as i32) })

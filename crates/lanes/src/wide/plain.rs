@@ -102,6 +102,11 @@ impl Wide for Plain {
     type Mask = u16;
 
     #[inline(always)]
+    fn is_gather_quick(self) -> bool {
+        false
+    }
+
+    #[inline(always)]
     fn u32(self, number: u32) -> Array<u32> {
         Array([number; BATCH])
     }

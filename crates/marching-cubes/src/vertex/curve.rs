@@ -24,6 +24,7 @@
 
 mod short;
 
+use isokit_lanes::Coordinate;
 use short::short;
 
 /// Steps after which a root is taken as it is. Before, the bracket is down to nothing.
@@ -40,10 +41,10 @@ const SHORTEST: f64 = 1.0 / (1_u64 << 42) as f64;
 /// the two in the middle; where it rings there, where the straight line does. None if the short way does not lead
 /// there and there is no curve. At a sample that is the isovalue that is the sample. `straight` is where linear
 /// interpolation crosses.
-pub(super) fn crossing(values: &[f64], straight: f64) -> Option<f64> {
+pub(super) fn crossing<C: Coordinate>(values: &[f64], straight: f64) -> Option<f64> {
     let found = match values.len() {
-        4 => short::<2>(values),
-        _ => short::<3>(values),
+        4 => short::<C, 2>(values),
+        _ => short::<C, 3>(values),
     };
     found.or_else(|| Some(Curve::through(values)?.crossing(straight)))
 }
@@ -192,7 +193,7 @@ mod tests {
     }
 
     fn found(values: &[f64]) -> f64 {
-        crossing(values, straight(values)).unwrap_or(straight(values))
+        crossing::<f64>(values, straight(values)).unwrap_or(straight(values))
     }
 
     /// On the edge, at a root or, if there may be no curve, where the straight line is crossed, and the same from
@@ -345,7 +346,7 @@ mod tests {
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         for roughness in [1.0, 0.1] {
-            let (mut cut, mut missed) = (0, [0; 2]);
+            let (mut cut, mut missed) = (0, [0; 4]);
             while cut < 200_000 {
                 let slope = 2.0 * chance() - 1.0;
                 let shift = chance() - 0.5;
@@ -355,8 +356,10 @@ mod tests {
                 }
                 if is_cut(&values) {
                     cut += 1;
-                    missed[0] += usize::from(short::<2>(&values[1..5]).is_none());
-                    missed[1] += usize::from(short::<3>(&values).is_none());
+                    missed[0] += usize::from(short::<f64, 2>(&values[1..5]).is_none());
+                    missed[1] += usize::from(short::<f64, 3>(&values).is_none());
+                    missed[2] += usize::from(short::<f32, 2>(&values[1..5]).is_none());
+                    missed[3] += usize::from(short::<f32, 3>(&values).is_none());
                 }
             }
             assert!(missed.iter().all(|&missed| missed * 1000 < cut), "{missed:?} of {cut}");

@@ -27,13 +27,14 @@ impl<T: Sample> Placer<'_, T> {
         curved_vertices((samples, &self.field), (curve, gradient), edges, &one_by_one, out);
     }
 
-    /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut.
-    pub(super) fn curved(&self, cut: &Cut) -> Option<Cut> {
+    /// The cut of an edge by the polynomial through the samples around it, if there is one to be cut; for
+    /// coordinates of a type.
+    pub(super) fn curved<C: Coordinate>(&self, cut: &Cut) -> Option<Cut> {
         let ([Some(ijk), Some(_)], axis) = (cut.ends, cut.axis) else { return None };
         let mut around = [0.0; MOST];
         let around = &mut around[..2 * self.placement.pairs()];
         self.line(ijk, axis, around);
-        let delta = crossing(around, delta(cut.values, self.field.iso))?;
+        let delta = crossing::<C>(around, delta(cut.values, self.field.iso))?;
         Some(Cut { delta: delta.clamp(-self.field.reach, self.field.reach), ..*cut })
     }
 

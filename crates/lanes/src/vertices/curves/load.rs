@@ -3,7 +3,7 @@
 //! Where all edges of a batch are far enough from the border, what is loaded for differences over two steps is used
 //! for lines too: the neighbours of an edge's ends on its line are among those of its ends.
 
-use super::{Line, MOST, beyond::Lacking};
+use super::{Crossing, Held, Line, MOST, beyond::Lacking, singly::Singly};
 use crate::{
     Lane,
     vertices::{Kernel, around::Batch},
@@ -38,15 +38,16 @@ impl Differences {
 }
 
 /// Loads the values of the batches from edge `first` on, and the differences where they are wanted.
-pub struct Loading<'l, 'b, 'a, T> {
+pub struct Loading<'l, 'b, 'a, T, C> {
     pub(super) kernel: &'l Kernel<'b, 'a, T>,
     pub(super) first: usize,
     pub(super) pairs: usize,
-    pub(super) lines: &'l mut [Line],
+    pub(super) to: (&'l mut [Line<C>], &'l mut [Crossing]),
     pub(super) differences: Option<&'l mut [Differences]>,
+    pub(super) singly: &'l mut Singly<T>,
 }
 
-impl<T: Lane> Task for Loading<'_, '_, '_, T> {
+impl<T: Lane, C: Held> Task for Loading<'_, '_, '_, T, C> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
         match self.pairs {
@@ -56,25 +57,42 @@ impl<T: Lane> Task for Loading<'_, '_, '_, T> {
     }
 }
 
-impl<T: Lane> Loading<'_, '_, '_, T> {
+impl<T: Lane, C: Held> Loading<'_, '_, '_, T, C> {
     #[inline(always)]
     fn load<W: Wide, const HELD: usize>(mut self, wide: W) {
-        let kernel = self.kernel;
-        for (number, line) in self.lines.iter_mut().enumerate() {
+        let (kernel, (lines, crossings)) = (self.kernel, self.to);
+        for (number, (line, crossing)) in lines.iter_mut().zip(crossings).enumerate() {
             let batch = kernel.ends(wide, self.first + number * BATCH);
             if let Some(differences) = &mut self.differences {
                 let differences = &mut differences[number];
                 if kernel.is_far_in(wide, &batch, HELD / 2) {
                     // SAFETY: asked right above.
                     unsafe {
-                        kernel.load_both::<W, HELD>(wide, &batch, &mut line.values, differences)
+                        kernel.load_both::<W, C, HELD>(wide, &batch, &mut line.values, differences)
                     };
-                    line.is_odd = 0;
+                    crossing.is_odd = 0;
                     continue;
                 }
                 differences.store(wide, kernel.around(wide, &batch, true).differences);
+            } else if !wide.is_gather_quick() && kernel.is_far_in(wide, &batch, HELD / 2) {
+                let Stencil { slice, low, step } = kernel.stencil(wide, &batch);
+                let begin = low + step * wide.u32((HELD / 2 - 1).wrapping_neg() as u32);
+                self.singly.put(number, slice, [wide.store(begin), wide.store(step)]);
+                crossing.is_odd = 0;
+                continue;
             }
-            line.is_odd = kernel.load::<W, HELD>(wide, &batch, &mut line.values);
+            crossing.is_odd = kernel.load::<W, C, HELD>(wide, &batch, &mut line.values);
+        }
+        // SAFETY: on the lines of batches that are far in there are so many samples, from where stencils begin.
+        for (number, samples) in unsafe { self.singly.take::<HELD>(kernel.samples) } {
+            for (value, samples) in lines[number].values.iter_mut().zip(samples) {
+                let mut exact = [T::Exact::default(); BATCH];
+                for (exact, sample) in exact.iter_mut().zip(samples) {
+                    *exact = sample.exact();
+                }
+                let exact = T::Exact::load(wide, &exact);
+                C::store(wide, C::above_iso(wide, kernel, exact), value);
+            }
         }
     }
 }
@@ -107,11 +125,11 @@ impl<T: Lane> Kernel<'_, '_, T> {
     ///
     /// The batch must be [far in](Self::is_far_in) for half as many pairs as are held.
     #[inline(always)]
-    unsafe fn load_both<W: Wide, const HELD: usize>(
+    unsafe fn load_both<W: Wide, C: Held, const HELD: usize>(
         &self,
         wide: W,
         batch: &Batch<W>,
-        values: &mut [[f64; BATCH]; MOST],
+        values: &mut [[C; BATCH]; MOST],
         differences: &mut Differences,
     ) {
         let Stencil { slice, low, step } = self.stencil(wide, batch);
@@ -125,7 +143,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
             let to = &mut differences.0[end];
             wide.store_f32(T::Exact::difference(wide, above, below), &mut to[0]);
             let [own_to, beyond_to] = [pairs - 1 + end, pairs - 2 + 3 * end];
-            wide.store_f64(self.above_iso(wide, own), &mut values[own_to]);
+            C::store(wide, C::above_iso(wide, self, own), &mut values[own_to]);
             for (axis, stride) in [(1, y), (2, z)] {
                 // SAFETY: as above.
                 let sides = unsafe {
@@ -138,24 +156,25 @@ impl<T: Lane> Kernel<'_, '_, T> {
                 let is_along = wide.equal(batch.axis, wide.u32(axis as u32));
                 beyond = T::Exact::select(wide, is_along, sides[end], beyond);
             }
-            wide.store_f64(self.above_iso(wide, beyond), &mut values[beyond_to]);
+            C::store(wide, C::above_iso(wide, self, beyond), &mut values[beyond_to]);
             if pairs == 3 {
                 let outward = [back, step][end];
                 // SAFETY: two samples beyond each end there is one, with both neighbours along the other axes, and so
                 // many slices away that all are near.
                 let farthest = unsafe { wide.near(self.samples, slice, at + outward + outward) };
-                wide.store_f64(self.above_iso(wide, farthest), &mut values[[0, HELD - 1][end]]);
+                let farthest_to = &mut values[[0, HELD - 1][end]];
+                C::store(wide, C::above_iso(wide, self, farthest), farthest_to);
             }
         }
     }
 
     /// Loads the values on lines; the bits of those that cannot be loaded, which have others.
     #[inline(always)]
-    fn load<W: Wide, const HELD: usize>(
+    fn load<W: Wide, C: Held, const HELD: usize>(
         &self,
         wide: W,
         batch: &Batch<W>,
-        values: &mut [[f64; BATCH]; MOST],
+        values: &mut [[C; BATCH]; MOST],
     ) -> u16 {
         let pairs = HELD / 2;
         if !self.samples.is_near(pairs as i64) {
@@ -196,16 +215,26 @@ impl<T: Lane> Kernel<'_, '_, T> {
                 *number = wide.select(wide.mask(is_odd), other, *number);
             }
         }
-        for (value, number) in values.iter_mut().zip(numbers) {
+        let sample = |number| {
             // SAFETY: of the edges that are left both ends are samples, and so are the others on their lines: there are as
             // many as are held, or more, and those that would not be are moved in. Four bytes can be read from each
             // on: that was looked at, or all have both neighbours across. The farthest is as many slices away as
             // there are pairs, or twice as many less one where that was asked.
-            let sample = unsafe { wide.near(self.samples, slice, number) };
-            wide.store_f64(self.above_iso(wide, sample), value);
+            unsafe { wide.near(self.samples, slice, number) }
+        };
+        let Some(lacking) = lacking else {
+            for (value, number) in values.iter_mut().zip(numbers) {
+                C::store(wide, C::above_iso(wide, self, sample(number)), value);
+            }
+            return is_odd;
+        };
+        let mut exact = [[0.0; BATCH]; MOST];
+        for (value, number) in exact.iter_mut().zip(numbers) {
+            wide.store_f64(self.above_iso(wide, sample(number)), value);
         }
-        if let Some(lacking) = lacking {
-            lacking.put_in::<HELD>(wide, values);
+        lacking.put_in::<HELD>(wide, &mut exact);
+        for (value, exact) in values[..HELD].iter_mut().zip(&exact) {
+            C::store(wide, C::from_f64(wide, wide.load_f64(exact)), value);
         }
         is_odd
     }

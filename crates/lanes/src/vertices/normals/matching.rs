@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     Lane,
-    vertices::{Kernel, curves::Line},
+    vertices::{Kernel, curves::Crossing},
     wide::{BATCH, Exact, Float, Mask, Wide},
 };
 use std::ops::Range;
@@ -38,13 +38,13 @@ impl<T: Lane> Kernel<'_, '_, T> {
     pub(super) fn turn<W: Wide, const PAIRS: usize, const LINE: usize, const COUNT: usize>(
         &self,
         wide: W,
-        (first, lines, left): (usize, &[Line], &mut [u16]),
+        (first, crossings, left): (usize, &[Crossing], &mut [u16]),
         copies: &mut Copies<T>,
         mut room: Room<'_>,
     ) {
         const { assert!(LINE == 2 * (PAIRS + 1) && COUNT == count(PAIRS), "as many as steps") };
         assert!(copies.are_for(self.samples.strides(), PAIRS), "room for other samples");
-        for (number, (line, left)) in lines.iter().zip(left).enumerate() {
+        for (number, (crossing, left)) in crossings.iter().zip(left).enumerate() {
             let first = first + number * BATCH;
             let batch = self.ends(wide, first);
             let ends = [batch.low, batch.high];
@@ -55,7 +55,8 @@ impl<T: Lane> Kernel<'_, '_, T> {
             }
             // SAFETY: these edges are so far from the border, and the rest is asserted above.
             unsafe { copies.take::<COUNT>(self, first, is_inner) };
-            let parts = Self::parts::<W, PAIRS, LINE>(wide, copies, wide.load_f64(&line.delta));
+            let delta = wide.load_f64(&crossing.delta);
+            let parts = Self::parts::<W, PAIRS, LINE>(wide, copies, delta);
             *left |= self.write_curved_normals(wide, batch.axis, parts, room.of(number));
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::{ExtractOptions, Gradient, Placement, vertex::Placer};
 use isokit_geom::{Affine, Frame};
-use isokit_lanes::{Edges, Word};
+use isokit_lanes::{Coordinate, Edges, Word};
 use isokit_volume::{Grid, Sample, Scaling, Volume};
 
 /// Samples along each axis: enough that a row of edges has a batch far from the border, and another one.
@@ -54,8 +54,15 @@ struct Seen {
     curved: usize,
 }
 
-/// Asserts that rows of edges along all axes, up to the border, are placed as one by one.
+/// Asserts that rows of edges along all axes, up to the border, are placed as one by one, for both types of coordinates.
 fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen {
+    let single = check_for::<f32, _>(volume, iso, placement);
+    let double = check_for::<f64, _>(volume, iso, placement);
+    assert_eq!(single.placed, double.placed);
+    double
+}
+
+fn check_for<C: Coordinate, T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen {
     let mut seen = Seen::default();
     let [nx, ny, nz] = volume.view().dims();
     // All rows, those next to the border too, or of large lattices so many that each y is there, and each z.
@@ -77,7 +84,7 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen 
             let cuts = [((1 << last) - 1) & (u64::MAX << first); 8];
             edges.push(&[axis], [0, y as u32], &[Word { cuts, ..Word::default() }]);
             let count = edges.len();
-            let (mut alone, mut places) = ([[0.0_f64; 3]; N], [[0.0_f64; 3]; N]);
+            let (mut alone, mut places) = ([[C::default(); 3]; N], [[C::default(); 3]; N]);
             let mut normals = [[0.0; 3]; N];
             let (places, alone) = (&mut places[..count], &mut alone[..count]);
             placer.place(&edges, alone, None, &mut vec![]);
@@ -89,11 +96,12 @@ fn check<T: Sample>(volume: &Volume<T>, iso: f64, placement: Placement) -> Seen 
                 if (a >= iso) == (b >= iso) {
                     continue; // no edge that is cut
                 }
-                let curved = placer.curved(&straight);
+                let curved = placer.curved::<C>(&straight);
                 let cut = curved.unwrap_or(straight);
-                let one: [f64; 3] = placer.position(&cut);
-                assert_eq!(one.map(f64::to_bits), places[n].map(f64::to_bits), "{cut:?}");
-                assert_eq!(one.map(f64::to_bits), alone[n].map(f64::to_bits), "{cut:?}");
+                let bits = |place: [C; 3]| place.map(|part| part.into().to_bits());
+                let one = bits(placer.position(&cut));
+                assert_eq!(one, bits(places[n]), "{cut:?}");
+                assert_eq!(one, bits(alone[n]), "{cut:?}");
                 let normal = placer.normal(&cut);
                 assert_eq!(normal.map(f32::to_bits), normals[n].map(f32::to_bits), "{cut:?}");
                 seen.placed += 1;
@@ -127,6 +135,7 @@ fn vertices_made_sixteen_at_a_time_have_the_bits_of_one_by_one() {
     compare(|value| (value + 2e9) as u32, [6e8, 2.01e9]);
     compare(|value| value as i32, [6e8, 1e7]);
     compare(|value| value as f32, [1.0, 0.1]);
+    compare(|value| value as f32, [1.0, 0.125]);
     compare(|value| value, [1.0, 0.1]);
 }
 
