@@ -1,8 +1,8 @@
 //! Where edges are crossed by cubics or quintics, 16 edges at a time.
 //!
-//! Loops take turns over some batches at a time: one loads the samples on the lines of the edges (`curves/load.rs`; one by
-//! one, `curves/singly.rs`), and what central normals are made from, the second finds roots (`roots.rs`), the third makes places, and a fourth
-//! normals (`normals.rs`), if they are wanted. Each is short, so that the machine works at several batches at once while
+//! Loops take turns over some batches at a time: one loads the samples on the lines of the edges, and what central
+//! normals are made from (`curves/load.rs`, and `curves/singly.rs` one by one), the second finds roots (`roots.rs`), the
+//! third makes places, and a fourth normals (`normals.rs`), if they are wanted. Each is short, so that the machine works at several batches at once while
 //! one waits, and only the first and the last are compiled for each type of sample.
 //!
 //! Lines that leave the lattice are continued (`curves/beyond.rs`). The caller tells the values of those that are

@@ -102,12 +102,12 @@ impl Search {
         is_end: 0,
     };
 
-    /// Takes the values of lines, and leaves in their place the sums of the ends, the rises, and the even and the
-    /// odd parts times the rises. The search gets the curves, and begins where straight lines are crossed.
+    /// Takes the values of lines, and of f64, whose roots will be corrected, leaves in their place the sums of the ends, the
+    /// rises, and the even and the odd parts times the rises. The search gets the curves, and begins where straight lines
+    /// are crossed.
     #[inline(always)]
     fn begin<W: Wide, C: Coordinate, const PAIRS: usize>(&mut self, wide: W, line: &mut Line<C>) {
-        let number = |number: f64| C::splat(wide, number);
-        let (zero, half) = (number(0.0), number(0.5));
+        let (zero, half) = (C::splat(wide, 0.0), C::splat(wide, 0.5));
         let a = C::load(wide, &line.values[PAIRS - 1]);
         let b = C::load(wide, &line.values[PAIRS]);
         let (sum, rise) = (a + b, b - a);
@@ -115,16 +115,16 @@ impl Search {
         let below = C::load(wide, &line.values[PAIRS - 2]);
         let above = C::load(wide, &line.values[PAIRS + 1]);
         let even = below + above;
-        let odd = (above - below) * number(1.0 / 3.0);
+        let odd = (above - below) * C::splat(wide, 1.0 / 3.0);
         let (a, b) = (even - sum, odd - rise);
-        let mut parts = [a * number(0.25), b * half, zero, zero];
+        let mut parts = [a * C::splat(wide, 0.25), b * half, zero, zero];
         if PAIRS == 3 {
             let below = C::load(wide, &line.values[0]);
             let above = C::load(wide, &line.values[2 * PAIRS - 1]);
             let a_u = ((below + above) - even) * half - a;
-            let b_u = ((above - below) * number(1.0 / 5.0) - odd) * half - b;
-            parts[2] = a_u * number(1.0 / 24.0);
-            parts[3] = b_u * number(1.0 / 12.0);
+            let b_u = ((above - below) * C::splat(wide, 1.0 / 5.0) - odd) * half - b;
+            parts[2] = a_u * C::splat(wide, 1.0 / 24.0);
+            parts[3] = b_u * C::splat(wide, 1.0 / 12.0);
         }
         let narrow_rise = C::to_f32(wide, rise);
         let size = narrow_rise.abs();

@@ -215,22 +215,24 @@ impl<T: Lane> Kernel<'_, '_, T> {
                 *number = wide.select(wide.mask(is_odd), other, *number);
             }
         }
-        let sample = |number| {
+        let mut samples = [T::Exact::splat(wide, 0.0); HELD];
+        for (sample, number) in samples.iter_mut().zip(numbers) {
             // SAFETY: of the edges that are left both ends are samples, and so are the others on their lines: there are as
             // many as are held, or more, and those that would not be are moved in. Four bytes can be read from each
             // on: that was looked at, or all have both neighbours across. The farthest is as many slices away as
             // there are pairs, or twice as many less one where that was asked.
-            unsafe { wide.near(self.samples, slice, number) }
-        };
+            *sample = unsafe { wide.near(self.samples, slice, number) };
+        }
         let Some(lacking) = lacking else {
-            for (value, number) in values.iter_mut().zip(numbers) {
-                C::store(wide, C::above_iso(wide, self, sample(number)), value);
+            for (value, sample) in values.iter_mut().zip(samples) {
+                C::store(wide, C::above_iso(wide, self, sample), value);
             }
             return is_odd;
         };
+        // Continued in f64, as one by one.
         let mut exact = [[0.0; BATCH]; MOST];
-        for (value, number) in exact.iter_mut().zip(numbers) {
-            wide.store_f64(self.above_iso(wide, sample(number)), value);
+        for (value, sample) in exact.iter_mut().zip(samples) {
+            wide.store_f64(self.above_iso(wide, sample), value);
         }
         lacking.put_in::<HELD>(wide, &mut exact);
         for (value, exact) in values[..HELD].iter_mut().zip(&exact) {
