@@ -45,8 +45,9 @@ fn far_from_the_origin_vertices_are_f64_and_lie_as_they_do_near_it() {
     assert_eq!(near.triangles, away.triangles);
     for (near, away) in near.positions.iter().zip(away.positions.iter()) {
         let off = (0..3).map(|k| (away[k] - far - near[k]).abs()).fold(0.0, f64::max);
-        // Half a step of f32 at 1.6, and one of f64 at 6.4e6.
-        assert!(off <= 2_f64.powi(-24) + 2_f64.powi(-30), "{away:?} is {off:e} off");
+        // Half a step of f32 at 1.6, one of f64 at 6.4e6, and what f32 leaves of the root on an edge.
+        let least = 2_f64.powi(-24) + 2_f64.powi(-30) + 0.1 * 2_f64.powi(-18);
+        assert!(off <= least, "{away:?} is {off:e} off");
     }
     assert_closed(&away);
 }

@@ -149,7 +149,7 @@ impl<'b, 'a, T: Lane> Kernel<'b, 'a, T> {
         let is_scaled = field.slope != 1.0 || field.intercept != 0.0;
         let (directions, starts) = (field.directions(), field.starts());
         let narrow_iso = field.iso as f32;
-        let is_narrow = !is_scaled && f64::from(narrow_iso) == field.iso && T::Exact::IS_F32;
+        let is_narrow = !is_scaled && f64::from(narrow_iso) == field.iso && !T::Exact::IS_DOUBLE;
         let narrow_iso = is_narrow.then_some(narrow_iso);
         Self { samples, field, directions, starts, is_scaled, narrow_iso, edges }
     }

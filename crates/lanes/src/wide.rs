@@ -79,7 +79,7 @@ pub trait Wide: Copy {
     /// A choice of the sixteen.
     type Mask: Mask;
 
-    /// Words from sixteen places are loaded by one instruction as quickly as that can be.
+    /// Words from sixteen places come sooner by one instruction than one by one.
     fn is_gather_quick(self) -> bool;
 
     fn u32(self, number: u32) -> Self::U32;
@@ -255,8 +255,8 @@ pub trait Float:
 
 /// A type that holds every sample of another exactly: f32 or f64.
 pub trait Exact: Copy + Default + Into<f64> {
-    /// It is f32.
-    const IS_F32: bool;
+    /// It is f64.
+    const IS_DOUBLE: bool;
 
     /// Sixteen of them.
     type Of<W: Wide>: Float<Mask = W::Mask>;
@@ -273,8 +273,6 @@ pub trait Exact: Copy + Default + Into<f64> {
     /// Rounded to the nearest.
     fn from_f64<W: Wide>(wide: W, numbers: W::F64) -> Self::Of<W>;
 
-    fn from_f32<W: Wide>(wide: W, numbers: W::F32) -> Self::Of<W>;
-
     /// Sixteen times the same number, rounded to the nearest.
     fn splat<W: Wide>(wide: W, number: f64) -> Self::Of<W>;
 
@@ -286,7 +284,7 @@ pub trait Exact: Copy + Default + Into<f64> {
 }
 
 impl Exact for f32 {
-    const IS_F32: bool = true;
+    const IS_DOUBLE: bool = false;
 
     type Of<W: Wide> = W::F32;
 
@@ -316,11 +314,6 @@ impl Exact for f32 {
     }
 
     #[inline(always)]
-    fn from_f32<W: Wide>(_: W, numbers: W::F32) -> W::F32 {
-        numbers
-    }
-
-    #[inline(always)]
     fn splat<W: Wide>(wide: W, number: f64) -> W::F32 {
         wide.f32(number as f32)
     }
@@ -337,7 +330,7 @@ impl Exact for f32 {
 }
 
 impl Exact for f64 {
-    const IS_F32: bool = false;
+    const IS_DOUBLE: bool = true;
 
     type Of<W: Wide> = W::F64;
 
@@ -364,11 +357,6 @@ impl Exact for f64 {
     #[inline(always)]
     fn from_f64<W: Wide>(_: W, numbers: W::F64) -> W::F64 {
         numbers
-    }
-
-    #[inline(always)]
-    fn from_f32<W: Wide>(wide: W, numbers: W::F32) -> W::F64 {
-        wide.f32_to_f64(numbers)
     }
 
     #[inline(always)]

@@ -187,8 +187,8 @@ impl<'a, T: Sample> Placer<'a, T> {
 
     /// Where the edge along `axis` from `low` is crossed, in edge lengths from there. The ends are numbered
     /// as those of [`Edges`].
-    pub(crate) fn crossing(&self, axis: usize, low: [u32; 3]) -> f64 {
-        0.5 + self.cut_as_placed::<f64>(axis, low).delta
+    pub(crate) fn crossing<C: Coordinate>(&self, axis: usize, low: [u32; 3]) -> f64 {
+        0.5 + self.cut_as_placed::<C>(axis, low).delta
     }
 
     /// A place in world space, in cell sizes from `low`, which may be a wrapped −1.

@@ -27,7 +27,7 @@ mod singly;
 mod tests;
 
 pub use beyond::ONE_BEFORE;
-pub(super) use line::{Crossing, Held, Line};
+pub(super) use line::{Crossing, Line, Precision};
 pub(super) use load::Differences;
 pub use load::Loading;
 use singly::Singly;
@@ -129,8 +129,8 @@ fn curved_vertices_at<T: Lane, C: Coordinate>(
                 }
             }
         }
-        let (held, searches) = ((lines, &mut *crossings), &mut searches[..]);
-        C::find_roots(level, Roots { held, searches, pairs, reach: field.reach });
+        let (batches, searches) = ((lines, &mut *crossings), &mut searches[..]);
+        C::find_roots(level, Roots { batches, searches, pairs, reach: field.reach });
         let crossings = &*crossings;
         let (starts, positions) = (kernel.starts, C::places(positions));
         place(level, Placing { field, starts, edges, first, crossings, positions });

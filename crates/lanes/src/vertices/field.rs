@@ -19,9 +19,6 @@ pub trait Coordinate:
     + Into<f64>
     + sealed::Room
 {
-    /// It is f64.
-    const IS_DOUBLE: bool;
-
     /// The coordinate nearest to a value.
     fn round(value: f64) -> Self;
 
@@ -34,17 +31,15 @@ pub trait Coordinate:
 
 mod sealed {
     use super::Places;
-    use crate::vertices::curves::Held;
+    use crate::vertices::curves::Precision;
 
-    pub trait Room: Held {
+    pub trait Room: Precision {
         /// The room, whatever the type.
         fn places(room: &mut [[Self; 3]]) -> Places<'_>;
     }
 }
 
 impl Coordinate for f32 {
-    const IS_DOUBLE: bool = false;
-
     #[inline(always)]
     fn round(value: f64) -> Self {
         value as f32
@@ -68,8 +63,6 @@ impl sealed::Room for f32 {
 }
 
 impl Coordinate for f64 {
-    const IS_DOUBLE: bool = true;
-
     #[inline(always)]
     fn round(value: f64) -> Self {
         value

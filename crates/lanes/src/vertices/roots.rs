@@ -2,7 +2,7 @@
 //!
 //! `vertex/curve/short.rs` of `marching-cubes` has the definition, for one, with the same operations in the same
 //! order, so that the bits are the same, and says why. The roots that this way does not find, fewer than
-//! one in a thousand, are left to the caller.
+//! one in five hundred, are left to the caller.
 //!
 //! What does not go well becomes NaN, of which no comparison holds: so it is not found, and no mask is kept.
 //!
@@ -22,15 +22,18 @@ const TAME: Range<f32> = 8.673_617_4e-19..1.152_921_5e18;
 /// If the correction is so small, a root is found.
 const SMALL: f64 = 1.0 / (1_u64 << 21) as f64;
 
-/// Where no correction follows, the last step is so short, and so little of it is due to the bend.
-const SHORT: f32 = 1.0 / 128.0;
+/// Where no correction follows, the last step is no longer.
+const SHORT: f32 = 1.0 / 512.0;
+
+/// And no more of it is due to the bend.
+const BENT: f32 = 1.0 / 128.0;
 
 /// And the slope is no less, over the rise.
-const STEEP: f32 = 1.0 / 32.0;
+const STEEP: f32 = 1.0 / 8.0;
 
-/// Finds where lines are crossed, as far as `reach` from the middle of their edges. The values are used up.
+/// Finds where lines are crossed, as far as `reach` from the middle of their edges. Values of f64 are used up.
 pub struct Roots<'a, C> {
-    pub(super) held: (&'a mut [Line<C>], &'a mut [Crossing]),
+    pub(super) batches: (&'a mut [Line<C>], &'a mut [Crossing]),
     pub(super) searches: &'a mut [Search],
     /// Pairs of samples on a line, 2 or 3.
     pub(super) pairs: usize,
@@ -50,7 +53,7 @@ impl<C: Coordinate> Task for Roots<'_, C> {
 impl<C: Coordinate> Roots<'_, C> {
     #[inline(always)]
     fn find<W: Wide, const PAIRS: usize>(self, wide: W) {
-        let (lines, crossings) = self.held;
+        let (lines, crossings) = self.batches;
         let searches = &mut self.searches[..lines.len()];
         for (line, search) in lines.iter_mut().zip(&mut *searches) {
             search.begin::<W, C, PAIRS>(wide, line);
@@ -79,11 +82,11 @@ impl<C: Coordinate> Roots<'_, C> {
 pub struct Search {
     fall: [f32; BATCH],
     c: [[f32; BATCH]; 5],
-    /// One over the rise; NaN where that is not tame.
+    /// One over the rise, for f64; NaN where that is not tame.
     scale: [f32; BATCH],
     /// The place.
     s: [f32; BATCH],
-    /// One over the slope near there; NaN where the search did not go well.
+    /// One over the slope near there, for f64; NaN where the search did not go well.
     factor: [f32; BATCH],
     /// If an end is the isovalue anywhere, between what all roots lie: there both are that end.
     between: [[f32; BATCH]; 2],
@@ -111,7 +114,7 @@ impl Search {
         let a = C::load(wide, &line.values[PAIRS - 1]);
         let b = C::load(wide, &line.values[PAIRS]);
         let (sum, rise) = (a + b, b - a);
-        let is_end = !(a * b).less(zero);
+        let is_end = !(a.min(b).less(zero) & zero.less(a.max(b)));
         let below = C::load(wide, &line.values[PAIRS - 2]);
         let above = C::load(wide, &line.values[PAIRS + 1]);
         let even = below + above;
@@ -221,12 +224,14 @@ impl Search {
     pub(super) fn step_to<W: Wide, const PAIRS: usize>(&self, wide: W, crossing: &mut Crossing) {
         let s = wide.load_f32(&self.s);
         let [value, slope, bend] = self.curves::<W, PAIRS>(wide).at::<PAIRS>(s);
-        let (steep, pull, short) = (slope * slope, value * bend, wide.f32(SHORT));
+        let (steep, pull) = (slope * slope, value * bend);
         let step = value * (slope / (steep - pull));
         let s = s - step;
         // What is left falls with the cube of the step, and with the square of how much it turned.
-        let is_short = step.abs().less(short) & pull.abs().less(short * steep);
-        let is_found = is_short & wide.f32(STEEP).less(slope) & !wide.f32(0.5).less(s.abs());
+        let is_short = step.abs().less(wide.f32(SHORT));
+        let is_little = pull.abs().less(wide.f32(BENT) * steep);
+        let is_found =
+            is_short & is_little & wide.f32(STEEP).less(slope) & !wide.f32(0.5).less(s.abs());
         self.end(wide, wide.f32_to_f64(s), is_found, crossing);
     }
 

@@ -115,7 +115,7 @@ impl<T: Sample, C: Coordinate> SpecialWriter<'_, T, C> {
             let (corner, axis) = (edge.ends()[0].offset(), edge.axis());
             let mut place = corner.map(|i| i as f64);
             let start = std::array::from_fn(|k| low[k].wrapping_add(corner[k] as u32));
-            place[axis] = self.placer.crossing(axis, start);
+            place[axis] = self.placer.crossing::<C>(axis, start);
             place
         };
         let Filling { tube, inner } = &mut self.filling;

@@ -10,7 +10,7 @@
 //! where A comes from the even parts of the samples and B from the odd ones, both by Newton's divided
 //! differences in u. So the ends are kept exactly: F has there the signs that the samples have, and a
 //! root is between them. Samples on a straight line give A = B = 0 and the crossing of linear
-//! interpolation, to 10⁻¹³ of the edge. From the other end s and A change their signs and nothing else, and so
+//! interpolation, to 10⁻¹³ of the edge (for f32 coordinates, 2⁻²²). From the other end s and A change their signs and nothing else, and so
 //! does the root, bit for bit.
 //!
 //! Between samples of noise or of a step a polynomial rings: it turns, and bends back. It is taken only
@@ -362,7 +362,9 @@ mod tests {
                     missed[3] += usize::from(short::<f32, 3>(&values).is_none());
                 }
             }
-            assert!(missed.iter().all(|&missed| missed * 1000 < cut), "{missed:?} of {cut}");
+            // For f32, which no correction follows, more is asked of the last step.
+            let most = [1000, 1000, 500, 500].map(|share| cut / share);
+            assert!((0..4).all(|way| missed[way] < most[way]), "{missed:?} of {cut}");
         }
     }
 

@@ -21,7 +21,7 @@ pub struct Line<C> {
     pub(in crate::vertices) values: [[C; BATCH]; MOST],
 }
 
-impl<C: Held> Line<C> {
+impl<C: Precision> Line<C> {
     pub(super) const DEFAULT: Self = Self { values: [[C::ZERO; BATCH]; MOST] };
 }
 
@@ -40,7 +40,7 @@ impl Crossing {
 }
 
 /// A type that values on lines are held in. What differs by it is here, and compiled here, not anew wherever edges are placed.
-pub trait Held: Exact {
+pub trait Precision: Exact {
     const ZERO: Self;
 
     /// Does the task with the instructions of a level.
@@ -64,7 +64,7 @@ pub trait Held: Exact {
     ) -> Self::Of<W>;
 }
 
-impl Held for f32 {
+impl Precision for f32 {
     const ZERO: Self = 0.0;
 
     fn load_lines<T: Lane>(level: Level, loading: Loading<'_, '_, '_, T, Self>) {
@@ -99,7 +99,7 @@ impl Held for f32 {
     }
 }
 
-impl Held for f64 {
+impl Precision for f64 {
     const ZERO: Self = 0.0;
 
     fn load_lines<T: Lane>(level: Level, loading: Loading<'_, '_, '_, T, Self>) {

@@ -3,7 +3,7 @@
 //! Where all edges of a batch are far enough from the border, what is loaded for differences over two steps is used
 //! for lines too: the neighbours of an edge's ends on its line are among those of its ends.
 
-use super::{Crossing, Held, Line, MOST, beyond::Lacking, singly::Singly};
+use super::{Crossing, Line, MOST, Precision, beyond::Lacking, singly::Singly};
 use crate::{
     Lane,
     vertices::{Kernel, around::Batch},
@@ -47,7 +47,7 @@ pub struct Loading<'l, 'b, 'a, T, C> {
     pub(super) singly: &'l mut Singly<T>,
 }
 
-impl<T: Lane, C: Held> Task for Loading<'_, '_, '_, T, C> {
+impl<T: Lane, C: Precision> Task for Loading<'_, '_, '_, T, C> {
     #[inline(always)]
     fn run<W: Wide>(self, wide: W) {
         match self.pairs {
@@ -57,7 +57,7 @@ impl<T: Lane, C: Held> Task for Loading<'_, '_, '_, T, C> {
     }
 }
 
-impl<T: Lane, C: Held> Loading<'_, '_, '_, T, C> {
+impl<T: Lane, C: Precision> Loading<'_, '_, '_, T, C> {
     #[inline(always)]
     fn load<W: Wide, const HELD: usize>(mut self, wide: W) {
         let (kernel, (lines, crossings)) = (self.kernel, self.to);
@@ -83,7 +83,8 @@ impl<T: Lane, C: Held> Loading<'_, '_, '_, T, C> {
             }
             crossing.is_odd = kernel.load::<W, C, HELD>(wide, &batch, &mut line.values);
         }
-        // SAFETY: on the lines of batches that are far in there are so many samples, from where stencils begin.
+        // SAFETY: batches are put above alone, where they are far in: on their lines there are so many samples, from where
+        // stencils begin, and so near that numbers and steps fit, as `is_near` says.
         for (number, samples) in unsafe { self.singly.take::<HELD>(kernel.samples) } {
             for (value, samples) in lines[number].values.iter_mut().zip(samples) {
                 let mut exact = [T::Exact::default(); BATCH];
@@ -109,7 +110,7 @@ struct Stencil<W: Wide> {
 
 impl<T: Lane> Kernel<'_, '_, T> {
     /// Whether all edges have so many samples to either side of their middle, as many beyond both ends along all axes,
-    /// less one, and near enough.
+    /// less one, and [near](crate::Samples::is_near).
     #[inline(always)]
     fn is_far_in<W: Wide>(&self, wide: W, batch: &Batch<W>, pairs: usize) -> bool {
         let is_inner = match pairs {
@@ -125,7 +126,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
     ///
     /// The batch must be [far in](Self::is_far_in) for half as many pairs as are held.
     #[inline(always)]
-    unsafe fn load_both<W: Wide, C: Held, const HELD: usize>(
+    unsafe fn load_both<W: Wide, C: Precision, const HELD: usize>(
         &self,
         wide: W,
         batch: &Batch<W>,
@@ -170,7 +171,7 @@ impl<T: Lane> Kernel<'_, '_, T> {
 
     /// Loads the values on lines; the bits of those that cannot be loaded, which have others.
     #[inline(always)]
-    fn load<W: Wide, C: Held, const HELD: usize>(
+    fn load<W: Wide, C: Precision, const HELD: usize>(
         &self,
         wide: W,
         batch: &Batch<W>,

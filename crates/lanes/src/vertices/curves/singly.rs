@@ -35,7 +35,8 @@ impl<T: Lane> Singly<T> {
     ///
     /// # Safety
     ///
-    /// All of them must lie in the slice that they come from.
+    /// They must all be samples of `samples`, whose numbers from the one that they count from, and whose steps, fit in 31 bits
+    /// and a sign.
     #[inline(always)]
     pub(super) unsafe fn take<const HELD: usize>(
         &mut self,
@@ -51,7 +52,8 @@ impl<T: Lane> Singly<T> {
                 let (mut sample, step) =
                     (from.wrapping_offset(begin[n] as i32 as isize), step[n] as i32 as isize);
                 for to in &mut to[..HELD] {
-                    // SAFETY: the caller says that it lies in the slice.
+                    debug_assert!(samples.all().as_ptr_range().contains(&sample), "a sample");
+                    // SAFETY: the caller says that it is one of the samples.
                     to[n] = unsafe { *sample };
                     sample = sample.wrapping_offset(step);
                 }

@@ -3,10 +3,19 @@
 use super::{Curve, Gradient, OneByOne, Vertices, curved_vertices_at};
 use crate::{
     Edges, Lane, Level, Samples,
-    vertices::tests::{Chance, FIELD, edges},
+    vertices::{
+        Field,
+        tests::{Chance, FIELD, edges},
+    },
 };
 
 mod continued;
+
+/// So near to the origin that what f32 rounds of a place is little.
+const SCALED: Field = Field { origin: [0.0; 3], first_slice: 0.0, ..FIELD };
+
+/// Values are the samples as they are stored, and the isovalue is an f32.
+const STORED: Field = Field { slope: 1.0, intercept: 0.0, iso: 100.5, ..SCALED };
 
 /// Edges at a time, and how many samples they are away from the border, if the lattice has such.
 const COUNTS: [(usize, u32); 9] =
@@ -36,13 +45,14 @@ fn may_be_apart(place: f64) -> f64 {
 fn placed<T: Lane>(
     level: Level,
     samples: &Samples<'_, T>,
+    field: &Field,
     made: (Curve, Gradient),
     edges: &Edges,
 ) -> Placed {
     let count = edges.len();
     let (mut positions, mut rounded) = (vec![[0.0_f64; 3]; count], vec![[0.0_f32; 3]; count]);
     let (mut normals, mut odd) = (vec![[0.0; 3]; count], [vec![], vec![]]);
-    let (samples, told) = ((samples, &FIELD), Told(|_, _: &mut [f64]| false));
+    let (samples, told) = ((samples, field), Told(|_, _: &mut [f64]| false));
     let out = Vertices { positions: &mut rounded, normals: None, odd: &mut odd[1] };
     curved_vertices_at(level, samples, made, edges, &told, out);
     let out = Vertices { positions: &mut positions, normals: Some(&mut normals), odd: &mut odd[0] };
@@ -124,16 +134,22 @@ fn check_one<T: Lane>(sample: fn(&mut Chance) -> T, curve: Curve, on_line: u32) 
                 let list: Vec<_> =
                     places.into_iter().map(|place| (chance.below(3) as usize, place)).collect();
                 let edges = edges(Level::Portable, &list, z);
-                let [odd, same] = [Gradient::Central, Gradient::Matching].map(|gradient| {
+                let ways = [
+                    (SCALED, Gradient::Central),
+                    (SCALED, Gradient::Matching),
+                    (STORED, Gradient::Central),
+                ];
+                let [odd, same, of_stored] = ways.map(|(field, gradient)| {
                     let made = (curve, gradient);
-                    let expected = placed(Level::Portable, &samples, made, &edges);
+                    let expected = placed(Level::Portable, &samples, &field, made, &edges);
                     for &level in Level::available() {
-                        let found = placed(level, &samples, made, &edges);
+                        let found = placed(level, &samples, &field, made, &edges);
                         assert!(found == expected, "{level}, {made:?}: {list:?}");
                     }
                     expected.1
                 });
                 assert_eq!(odd, same);
+                let odd = [odd, of_stored].concat();
                 for n in 0..edges.len() {
                     let is_odd = odd.iter().any(|odd| odd.contains(&(n as u32)));
                     let has_line = has_line(&samples, edges.get(n), on_line);
@@ -195,7 +211,8 @@ fn edges_of_a_lattice_whose_slices_are_any_number_apart_are_left_to_the_caller()
         let edges = edges(Level::Portable, &list, z);
         for gradient in [Gradient::Central, Gradient::Matching] {
             for &level in Level::available() {
-                let (_, odd) = placed(level, &samples, (Curve::Quintic, gradient), &edges);
+                let made = (Curve::Quintic, gradient);
+                let (_, odd) = placed(level, &samples, &SCALED, made, &edges);
                 assert_eq!(
                     odd,
                     [&all_odd, &all_odd].map(Clone::clone),

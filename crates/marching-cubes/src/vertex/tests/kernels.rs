@@ -186,6 +186,8 @@ fn and_beside_samples_that_are_not_finite_or_the_greatest_and_the_least_of_their
     odd(&[f32::MAX, -f32::MAX, f32::MIN_POSITIVE, -0.0], |value| value as f32, 0.1);
     odd(&[f64::MAX, -f64::MAX, f64::MIN_POSITIVE, 5e-324], |value| value, 0.1);
     odd(&[f32::NAN], |value| (value * 1e38) as f32, 1e37);
+    odd(&[f32::NAN], |value| (value * 1e38) as f32, 2_f64.powi(123));
+    odd(&[f32::NAN], |value| (value * 1e-43) as f32, f32::from_bits(70).into());
     odd(&[f32::NAN], |value| (value * 1e-43) as f32, 1e-43);
     odd(&[f64::NAN], |value| value * 1e300, 1e299);
     odd(&[f64::NAN], |value| value * 1e-300, 1e-301);

@@ -100,15 +100,29 @@ fn lines_are_continued_only_where_no_sample_is_so_far_away_that_its_number_wraps
     }
     let samples = Samples::new(&all, 0, [1, 4, apart as isize], dims).unwrap();
     assert!(samples.is_near(2) && !samples.is_near(3));
+    let place = |level, samples: &Samples<'_, u8>, edges: &Edges| {
+        let (mut positions, mut odd) = (vec![[0.0_f32; 3]; edges.len()], vec![]);
+        let out = Vertices { positions: &mut positions, normals: None, odd: &mut odd };
+        let (told, made) = (Told(|_, _: &mut [f64]| false), (Curve::Cubic, Gradient::Central));
+        curved_vertices_at(level, (samples, &FIELD), made, edges, &told, out);
+        (positions, odd)
+    };
     for z in 0..3 {
         let list: Vec<_> = (0..16).map(|n| (2, [n % 4, n / 4])).collect();
         let edges = edges(Level::Portable, &list, z);
         for &level in Level::available() {
-            let (mut positions, mut odd) = (vec![[0.0_f32; 3]; 16], vec![]);
-            let out = Vertices { positions: &mut positions, normals: None, odd: &mut odd };
-            let (told, made) = (Told(|_, _: &mut [f64]| false), (Curve::Cubic, Gradient::Central));
-            curved_vertices_at(level, (&samples, &FIELD), made, &edges, &told, out);
+            let odd = place(level, &samples, &edges).1;
             assert!(if z == 1 { odd.len() < 4 } else { odd.len() == 16 }, "{level}: {odd:?}");
         }
+    }
+    // Far from the border along all axes, as no batch is above.
+    let near: Vec<u8> = (0..64).map(|n| all[n % 16 + n / 16 * apart]).collect();
+    let near = Samples::new(&near, 0, [1, 4, 16], dims).unwrap();
+    let list: Vec<_> = (0..32).map(|n| (2, [1 + n % 2, 1 + n / 2 % 2])).collect();
+    let inner = edges(Level::Portable, &list, 1);
+    for &level in Level::available() {
+        let found = place(level, &samples, &inner);
+        assert_eq!(found, place(level, &near, &inner), "{level}");
+        assert!(found.1.len() < 32, "{level}: all are odd");
     }
 }
