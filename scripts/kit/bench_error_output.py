@@ -30,9 +30,11 @@ with area. *Order* is the slope of a line through the four finest lattices, as l
 of h; a noisy slope says little. Surfaces that leave the cube are judged within 80 % of it.
 
 A *bound* is what isokit itself says that triangles leave the surface by at most, before they are
-balanced, as second derivatives tell it; *without* one are those that it counts beside it, at creases
-and where the surface bends within a cell. The greatest distance measured is of all triangles, of
-surfaces that leave the cube within 80 % of it.
+balanced, as second derivatives tell it. That surface is the one of the cubic field through the
+samples, since isokit knows no other: on a coarse lattice the given one may be farther. *Without* a
+bound are those that isokit counts beside it, at creases and where the surface bends within a cell.
+The greatest distance measured is of all triangles, of surfaces that leave the cube within 80 % of
+it.
 
 *Faults*: edges of one triangle (not counted along the border of the cube if the surface leaves it)
 or of more than two, vertices as stored; and components and χ = V - E + F other than those of the

@@ -20,7 +20,8 @@ pub enum Subdivision {
     ///
     /// Not promised: more than that to first order, as second derivatives at corners and middles of sides tell it
     /// ([`Refined::bound`](crate::Refined::bound)); what the field does between them they do not see. Nor that it holds once
-    /// triangles are balanced, or after the ten rounds that there are at most: what is left then is counted.
+    /// triangles are balanced, or after the ten rounds that there are at most: what is left then is counted. Nor anything
+    /// of what was sampled: the field is the cubic one through the samples, which is O(h⁴) from a smooth one.
     MaxError(f64),
 }
 
